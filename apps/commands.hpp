@@ -1,0 +1,23 @@
+// The subcommands of `groundloop`. Each adds itself to the command line and does its work in a
+// callback; errors travel as exceptions to run_command_line, which turns them into one line and an
+// exit code.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace groundloop::apps {
+
+/// What every subcommand shares.
+struct Context {
+  bool quiet = false;
+  bool verbose = false;
+  int threads = 0;  ///< 0: all cores
+};
+
+/// Runs the command line; returns the exit code: 0, 1 (failed internal check), 2 (bad input or
+/// usage), 130 (interrupted).
+int run_command_line(int argc, const char* const* argv);
+
+}  // namespace groundloop::apps

@@ -1,0 +1,23 @@
+# One library a folder, strict warnings, no contraction of floating point: the same bytes from every build.
+# -Wrestrict is left out: GCC 12 sees it in std::string where it is not (GCC bug 105651).
+
+# groundloop_library(NAME): a library of all sources below the calling folder.
+function(groundloop_library name)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp)
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  groundloop_compile_options(${name})
+endfunction()
+
+function(groundloop_compile_options name)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                         -Wno-sign-conversion -Wno-restrict -ffp-contract=off
+                         $<$<BOOL:${GROUNDLOOP_WERROR}>:-Werror>)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${name} PRIVATE -O3)
+  endif()
+  if(GROUNDLOOP_SANITIZE)
+    target_compile_options(${name} PUBLIC -fsanitize=${GROUNDLOOP_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${name} PUBLIC -fsanitize=${GROUNDLOOP_SANITIZE})
+  endif()
+endfunction()

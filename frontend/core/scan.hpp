@@ -1,0 +1,29 @@
+// One sweep of a LiDAR, and the one time model of groundloop: an absolute stamp in nanoseconds and
+// per-point offsets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace groundloop {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+/// Nanoseconds since an epoch that the recording chooses; printed as seconds.
+using Nanoseconds = std::int64_t;
+
+struct Scan {
+  /// The instant the scan's pose refers to: the start of the scan unless the format says otherwise.
+  Nanoseconds stamp = 0;
+  /// Points in the scan frame, metres. No NaN, infinity or zero return: sources drop them with
+  /// their times.
+  Points points;
+  /// Seconds from `stamp`, one a point; empty where the recording has no per-point times or needs
+  /// no deskewing.
+  std::vector<float> times;
+};
+
+}  // namespace groundloop

@@ -1,0 +1,1 @@
+#include "loopclosure/loop_closure.hpp"
