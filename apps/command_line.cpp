@@ -44,6 +44,7 @@ int run_command_line(int argc, const char* const* argv) {
       ->check(CLI::Range(0, 1024));
   app.require_subcommand(1);
   app.fallthrough();
+  add_evaluate_command(app, context);
   // Subcommands run in their callbacks, after this.
   app.parse_complete_callback([&] {
     set_up_logging(context);

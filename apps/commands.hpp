@@ -16,6 +16,10 @@ struct Context {
   int threads = 0;  ///< 0: all cores
 };
 
+/// The group `evaluate`, on which its subcommands hang.
+void add_evaluate_command(CLI::App& app, Context& context);
+void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);
+
 /// Runs the command line; returns the exit code: 0, 1 (failed internal check), 2 (bad input or
 /// usage), 130 (interrupted).
 int run_command_line(int argc, const char* const* argv);
