@@ -1,0 +1,108 @@
+// LiDAR odometry: KISS-ICP (Vizzo et al., RA-L 2023), which the paper uses to build local maps
+// (Sec. 3.1).
+//
+// Scan by scan: predict with constant velocity, deskew, downsample, register point to point against
+// a voxel map with an adaptive threshold and a robust kernel, update the map. Poses are those of
+// the instant that the scan's stamp names; inside, points are brought to the middle of the sweep,
+// where an error of the predicted velocity does least harm.
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+
+#include "frontend/core/options.hpp"
+#include "frontend/core/pose.hpp"
+#include "frontend/core/scan.hpp"
+#include "frontend/preprocessing.hpp"
+#include "frontend/voxel_map.hpp"
+
+namespace groundloop {
+
+struct OdometryOptions {
+  double max_range = 100.0;
+  double min_range = 0.0;
+  double voxel_size = 1.0;
+  double initial_threshold = 2.0;
+  double min_motion = 0.1;
+  int max_iterations = 500;
+  double convergence = 1e-4;
+  int min_points = 30;
+  double max_gap = 1.0;
+  bool point_to_point = false;
+  double along_plane_weight = 0.05;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("max_range", self.max_range, Range{1.0, 1000.0}, "m",
+          "farther points are left out of odometry and maps");
+    field("min_range", self.min_range, Range{0.0, 100.0}, "m",
+          "nearer points are left out, e.g. those of the vehicle");
+    field("voxel_size", self.voxel_size, Range{0.05, 10.0}, "m",
+          "voxels of the odometry map; max_range / 100 suits most places, less indoors");
+    field("initial_threshold", self.initial_threshold, Range{0.01, 50.0}, "m",
+          "scale of the registration before any motion was seen");
+    field("min_motion", self.min_motion, Range{1e-4, 10.0}, "m",
+          "smaller departures from the prediction do not adapt the threshold");
+    field("max_iterations", self.max_iterations, Range{1, 10000}, "", "of one registration");
+    field("convergence", self.convergence, Range{1e-9, 1.0}, "",
+          "norm of the update (m, rad) that ends a registration");
+    field("min_points", self.min_points, Range{3, 100000}, "",
+          "points within range that a scan must have to be registered");
+    field("max_gap", self.max_gap, Range{0.01, 3600.0}, "s",
+          "a longer step in time is a gap: the velocity is trusted for this long only");
+    field("point_to_point", self.point_to_point, OnOff{}, "",
+          "KISS-ICP's own residual; off, planes of the map are used where it has them");
+    field("along_plane_weight", self.along_plane_weight, Range{0.0, 1.0}, "",
+          "weight of a residual along a plane, against 1 across it");
+  }
+};
+
+struct RegisteredScan {
+  Pose T_world_scan;  ///< at the scan's stamp
+  Points points;      ///< within range, deskewed to the stamp's instant, scan frame
+  std::size_t registration_points = 0;
+  int iterations = 0;
+  double seconds = 0.0;  ///< busy time of this scan
+};
+
+class Odometry {
+ public:
+  explicit Odometry(const OdometryOptions& options);
+
+  /// Before the first add(): learns the velocity at the start from the first two scans, so that the
+  /// first is deskewed too and `world` is its frame at its stamp. Without it the sensor is taken to
+  /// stand still at first.
+  void start(const Scan& first, const Scan& second);
+
+  /// Registers the next scan. Throws InputError where it has fewer than min_points points within
+  /// range; `name` stands for the scan in that message.
+  RegisteredScan add(const Scan& scan, const std::string& name);
+
+  /// Exact state for a resumable session.
+  void save(std::ostream& out) const;
+  void load(std::istream& in);
+
+ private:
+  struct Registration {
+    Pose pose;
+    int iterations;
+  };
+  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess,
+                                             double sigma) const;
+  [[nodiscard]] double threshold() const;
+
+  OdometryOptions options_;
+  VoxelMap map_;
+  VoxelDownsampler downsampler_;
+  // The pose and velocity of the last scan, at the middle of its sweep.
+  Pose T_world_middle_;
+  Nanoseconds middle_stamp_ = 0;
+  Vector6d twist_ = Vector6d::Zero();  // m/s, rad/s
+  double deviation_sum_ = 0.0;         // of squared departures from the prediction, m^2
+  std::size_t deviation_count_ = 0;
+  std::size_t scans_ = 0;
+  Eigen::Vector3f pruned_at_ = Eigen::Vector3f::Zero();
+};
+
+}  // namespace groundloop
