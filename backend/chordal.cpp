@@ -62,6 +62,8 @@ class BlockSystem {
 
   // Returns false where the matrix is singular.
   bool solve(MatrixXd& x) {
+    x = right_;
+    if (right_.rows() == 0) return true;
     for (std::size_t i = 0; i < diagonal_.size(); ++i) {
       for (int column = 0; column < 3; ++column) {
         for (int row = column; row < 3; ++row) {

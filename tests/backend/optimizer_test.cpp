@@ -155,8 +155,8 @@ INSTANTIATE_TEST_SUITE_P(Files, PublicGraph,
                                            PublishedOptimum{"sphere2500", 675.742},
                                            PublishedOptimum{"parking-garage", 0.634193},
                                            PublishedOptimum{"sphere_bignoise_vertex3", 1.49452e6}),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& graph) {
+                           std::string name = graph.param.name;
                            std::erase(name, '-');
                            return name;
                          });
