@@ -1,0 +1,52 @@
+// The streets of the simulated town: an endless irregular lattice of crossings joined by bent
+// streets, some of them missing. A function of the seed alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "frontend/simulation/mesh.hpp"
+
+namespace groundloop::simulation {
+
+struct Crossing {
+  int i = 0, j = 0;
+  auto operator<=>(const Crossing&) const = default;
+};
+
+/// A street from one crossing to the next, a quadratic Bezier curve.
+struct Street {
+  Vec2 from, bend, to;
+  double half_width = 4.0;  ///< of the carriageway, m
+  double pavement = 2.0;    ///< width of the pavement on each side, m
+  std::uint64_t key = 0;
+
+  [[nodiscard]] Vec2 point(double t) const;
+  /// Unit vector along the street.
+  [[nodiscard]] Vec2 direction(double t) const;
+  [[nodiscard]] double length() const;
+};
+
+class StreetNetwork {
+ public:
+  static constexpr double spacing = 100.0;  ///< of crossings, on average, m
+
+  explicit StreetNetwork(std::uint64_t key) : key_(key) {}
+  [[nodiscard]] Vec2 crossing(const Crossing& c) const;
+  /// The street to the neighbour east (axis 0) or north (axis 1) of a crossing, if there is one.
+  /// Every crossing has at least two streets.
+  [[nodiscard]] std::optional<Street> street(const Crossing& c, int axis) const;
+  /// The street between two neighbours, directed from a to b.
+  [[nodiscard]] std::optional<Street> between(const Crossing& a, const Crossing& b) const;
+  /// Streets whose crossings lie within `reach` steps of a crossing.
+  [[nodiscard]] std::vector<Street> around(const Crossing& c, int reach) const;
+
+ private:
+  std::uint64_t key_;
+};
+
+/// Distance of a point from the nearest edge of a street's pavement; negative on it.
+[[nodiscard]] double clearance(const std::vector<Street>& streets, const Vec2& p);
+
+}  // namespace groundloop::simulation

@@ -1,0 +1,154 @@
+#include "frontend/simulation/street_route.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "frontend/simulation/random.hpp"
+
+namespace groundloop::simulation {
+namespace {
+
+/// Crossings that routes of a given length keep to.
+struct Quarter {
+  int width, height;
+
+  explicit Quarter(double length) {
+    const double nodes = std::max(6.0, 0.6 * length / StreetNetwork::spacing);
+    width = static_cast<int>(std::ceil(std::sqrt(nodes)));
+    height = static_cast<int>(std::ceil(nodes / width));
+  }
+  [[nodiscard]] bool contains(const Crossing& c) const {
+    return c.i >= 0 && c.j >= 0 && c.i < width && c.j < height;
+  }
+};
+
+struct Walk {
+  std::vector<Crossing> crossings;
+  double length = 0.0;
+  double same = 0.0, opposite = 0.0;  ///< metres driven again, by direction
+};
+
+Walk random_walk(const StreetNetwork& network, const Quarter& quarter, double length,
+                 Random random) {
+  Walk walk;
+  walk.crossings = {{random.below(quarter.width), random.below(quarter.height)}};
+  std::map<std::pair<Crossing, Crossing>, double> driven;  // to the path length then
+  while (walk.length < length) {
+    const Crossing at = walk.crossings.back();
+    struct Choice {
+      Crossing to;
+      double weight;
+    };
+    std::vector<Choice> choices;
+    const Crossing back =
+        walk.crossings.size() > 1 ? walk.crossings[walk.crossings.size() - 2] : at;
+    for (const Crossing to : {Crossing{at.i + 1, at.j}, Crossing{at.i - 1, at.j},
+                              Crossing{at.i, at.j + 1}, Crossing{at.i, at.j - 1}}) {
+      if (to == back || !quarter.contains(to) || !network.between(at, to)) continue;
+      const bool known = driven.count({at, to}) + driven.count({to, at}) > 0;
+      choices.push_back({to, known ? 0.35 : 1.0});
+    }
+    if (choices.empty()) choices.push_back({back, 1.0});  // a dead end of the quarter
+    double total = 0.0;
+    for (const Choice& c : choices) total += c.weight;
+    double pick = random.uniform() * total;
+    Crossing to = choices.back().to;
+    for (const Choice& c : choices) {
+      pick -= c.weight;
+      if (pick < 0.0) {
+        to = c.to;
+        break;
+      }
+    }
+    if (to == at) break;
+    const double step = network.between(at, to)->length();
+    const auto again = [&](const Crossing& a, const Crossing& b) {
+      const auto known = driven.find({a, b});
+      return known != driven.end() && walk.length - known->second > 250.0;
+    };
+    if (again(at, to)) walk.same += step;
+    if (again(to, at)) walk.opposite += step;
+    driven[{at, to}] = walk.length;
+    walk.length += step;
+    walk.crossings.push_back(to);
+  }
+  return walk;
+}
+
+/// A corner at a crossing, rounded: from the end of one street's lane to the start of the next.
+void add_corner(std::vector<Vec2>& line, const Vec2& from, const Vec2& direction_from,
+                const Vec2& to, const Vec2& direction_to) {
+  const double reach = 0.55 * (to - from).norm();
+  const Vec2 a = from + reach * direction_from, b = to - reach * direction_to;
+  constexpr int steps = 24;
+  for (int i = 1; i < steps; ++i) {
+    const double t = static_cast<double>(i) / steps, s = 1.0 - t;
+    line.push_back(s * s * s * from + 3 * s * s * t * a + 3 * s * t * t * b + t * t * t * to);
+  }
+}
+
+}  // namespace
+
+std::vector<Crossing> choose_crossings(const StreetNetwork& network,
+                                       const SimulationParameters& parameters) {
+  const Quarter quarter(parameters.length);
+  // Of many random walks the one that comes back most, in both directions: a quarter of the way
+  // each is asked for.
+  constexpr int trials = 48;
+  Walk best;
+  double best_score = -1e9;
+  for (int trial = 0; trial < trials; ++trial) {
+    Walk walk = random_walk(network, quarter, parameters.length + 60.0,
+                            Random(key_of(parameters.seed, 30, parameters.route, trial)));
+    const double wanted = 0.22 * parameters.length;
+    const double score = std::min(walk.same, wanted) + std::min(walk.opposite, wanted) -
+                         0.3 * std::max(0.0, walk.same + walk.opposite - 2.5 * wanted) +
+                         std::min(0.0, walk.length - parameters.length);
+    if (score > best_score) {
+      best_score = score;
+      best = std::move(walk);
+    }
+  }
+  return best.crossings;
+}
+
+Way plan_street_route(const StreetNetwork& network, const SimulationParameters& parameters) {
+  const std::vector<Crossing> crossings = choose_crossings(network, parameters);
+  constexpr double corner = 9.0;  // cut off the street at each crossing, m
+  Way way;
+  Random random(key_of(parameters.seed, 31, parameters.route));
+  Vec2 last_direction = Vec2::Zero();
+  const auto pad = [&](const Street& street, double lane) {
+    way.centre.resize(way.points.size(), lane);
+    way.oncoming.resize(way.points.size(), 2.0 * lane);
+    way.pavement.resize(way.points.size(), street.half_width + 0.5 * street.pavement);
+  };
+  for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
+    const Street street = *network.between(crossings[k], crossings[k + 1]);
+    const double length = street.length();
+    // Now nearer the kerb, now nearer the middle: a revisit is never quite in the same track.
+    const double lane =
+        parameters.carrier == "car"
+            ? std::clamp(0.45 * street.half_width + random.gauss(0.35), 0.9, 2.6)
+            : street.half_width + 0.5 * street.pavement + random.uniform(-0.3, 0.3);
+    const int steps = static_cast<int>((length - 2 * corner) / 1.0);
+    for (int i = 0; i <= steps; ++i) {
+      const double t = (corner + (length - 2 * corner) * i / steps) / length;
+      const Vec2 d = street.direction(t);
+      const Vec2 p = street.point(t) + lane * Vec2(d.y(), -d.x());
+      if (i == 0 && !way.points.empty()) {
+        const Vec2 end = way.points.back();
+        way.stops.push_back(way.points.size() - 1);
+        add_corner(way.points, end, last_direction, p, d);
+        pad(street, lane);
+      }
+      way.points.push_back(p);
+      last_direction = d;
+    }
+    pad(street, lane);
+  }
+  return way;
+}
+
+}  // namespace groundloop::simulation
