@@ -49,18 +49,15 @@ struct Wall {
   }
   void panel(double x0, double x1, double z0, double z1, Material material,
              double depth = 0.0) const {
-    mesh.quad(at(x0, z0, depth), at(x1, z0, depth), at(x1, z1, depth), at(x0, z1, depth),
-              material);
+    mesh.quad(at(x0, z0, depth), at(x1, z0, depth), at(x1, z1, depth), at(x0, z1, depth), material);
   }
   void window(double x0, double x1, double z0, double z1, const FacadeStyle& style) const {
     panel(x0, x1, z0, z1, Material::glass, style.recess);
     for (const double x : {x0, x1}) {
-      mesh.quad(at(x, z0), at(x, z1), at(x, z1, style.recess), at(x, z0, style.recess),
-                style.wall);
+      mesh.quad(at(x, z0), at(x, z1), at(x, z1, style.recess), at(x, z0, style.recess), style.wall);
     }
     for (const double z : {z0, z1}) {
-      mesh.quad(at(x0, z), at(x1, z), at(x1, z, style.recess), at(x0, z, style.recess),
-                style.wall);
+      mesh.quad(at(x0, z), at(x1, z), at(x1, z, style.recess), at(x0, z, style.recess), style.wall);
     }
   }
 };
@@ -132,8 +129,7 @@ void add_roof(Mesh& mesh, const Place& place, const Block& b) {
   mesh.quad(at(u0 - o, v1 + o, low), at(u1 + o, v1 + o, low), at(u1 + o, v, high),
             at(u0 - o, v, high), Material::roof);
   for (const double u : {u0, u1}) {
-    mesh.triangle(at(u, v0, b.eaves), at(u, v1, b.eaves), at(u, v, high - 0.02),
-                  Material::plaster);
+    mesh.triangle(at(u, v0, b.eaves), at(u, v1, b.eaves), at(u, v, high - 0.02), Material::plaster);
   }
 }
 
@@ -170,7 +166,8 @@ void add_house(Mesh& mesh, const Place& place, double width, double depth, doubl
     add_block(mesh, place, wing, style);
   }
   if (random.chance(0.4)) {  // a bay or porch to the street
-    const double bay = random.uniform(1.6, 3.5), at = random.uniform(0.0, std::max(0.1, width - bay));
+    const double bay = random.uniform(1.6, 3.5),
+                 at = random.uniform(0.0, std::max(0.1, width - bay));
     Block porch{at, at + bay, -random.uniform(0.6, 1.5), 0.0};
     porch.foot = -1.5;
     porch.eaves = random.chance(0.5) ? std::min(height, 2.8) : height;

@@ -52,9 +52,9 @@ void Mesh::quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, Mate
 
 void add_box(Mesh& mesh, const Place& place, const Vec3& low, const Vec3& high, Material material) {
   const std::array<Vec3, 8> p{
-      place.at(low.x(), low.y(), low.z()),   place.at(high.x(), low.y(), low.z()),
-      place.at(high.x(), high.y(), low.z()), place.at(low.x(), high.y(), low.z()),
-      place.at(low.x(), low.y(), high.z()),  place.at(high.x(), low.y(), high.z()),
+      place.at(low.x(), low.y(), low.z()),    place.at(high.x(), low.y(), low.z()),
+      place.at(high.x(), high.y(), low.z()),  place.at(low.x(), high.y(), low.z()),
+      place.at(low.x(), low.y(), high.z()),   place.at(high.x(), low.y(), high.z()),
       place.at(high.x(), high.y(), high.z()), place.at(low.x(), high.y(), high.z())};
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t j = (i + 1) % 4;
@@ -80,10 +80,8 @@ void add_column(Mesh& mesh, const Vec3& foot, double radius, double top_radius, 
 
 void add_bar(Mesh& mesh, const Vec3& from, const Vec3& to, double width, Material material) {
   const Vec3 along = (to - from).normalized();
-  const Vec3 aside = (std::abs(along.z()) > 0.9 ? Vec3(Vec3::UnitX()) : Vec3(Vec3::UnitZ()))
-                         .cross(along)
-                         .normalized() *
-                     (0.5 * width);
+  const Vec3 other = std::abs(along.z()) > 0.9 ? Vec3(1, 0, 0) : Vec3(0, 0, 1);
+  const Vec3 aside = other.cross(along).normalized() * (0.5 * width);
   const Vec3 up = along.cross(aside);
   const std::array<Vec3, 4> corners{aside + up, up - aside, -aside - up, aside - up};
   for (std::size_t i = 0; i < 4; ++i) {

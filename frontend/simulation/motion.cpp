@@ -99,9 +99,9 @@ void Motion::plan_speed(const Way& way, const SimulationParameters& parameters) 
   const bool car = carrier_ == "car";
   const double accelerate = car ? 1.4 : 0.5, brake = car ? 2.0 : 0.7, sideways = car ? 1.8 : 0.5;
   Random random(key_of(key_, 1));
-  const double cruise = car ? random.uniform(8.5, 11.0)
-                            : carrier_ == "walker" ? random.uniform(1.2, 1.5)
-                                                   : random.uniform(1.6, 2.4);
+  const double cruise = car                    ? random.uniform(8.5, 11.0)
+                        : carrier_ == "walker" ? random.uniform(1.2, 1.5)
+                                               : random.uniform(1.6, 2.4);
   const int n = static_cast<int>(line_.length() / Line::step) + 1;
   const std::uint64_t pace = key_of(parameters.seed, 41, parameters.route);
   std::vector<double> speed;
@@ -125,12 +125,11 @@ void Motion::plan_speed(const Way& way, const SimulationParameters& parameters) 
   }
   speed.front() = std::min(speed.front(), car ? 3.0 : 0.5);
   for (std::size_t i = 1; i < speed.size(); ++i) {
-    speed[i] = std::min(speed[i],
-                        std::sqrt(speed[i - 1] * speed[i - 1] + 2 * accelerate * Line::step));
+    speed[i] =
+        std::min(speed[i], std::sqrt(speed[i - 1] * speed[i - 1] + 2 * accelerate * Line::step));
   }
   for (std::size_t i = speed.size() - 1; i-- > 0;) {
-    speed[i] =
-        std::min(speed[i], std::sqrt(speed[i + 1] * speed[i + 1] + 2 * brake * Line::step));
+    speed[i] = std::min(speed[i], std::sqrt(speed[i + 1] * speed[i + 1] + 2 * brake * Line::step));
   }
   double time = 0.0;
   for (std::size_t i = 0; i < speed.size(); ++i) {

@@ -24,7 +24,6 @@ class Line {
   [[nodiscard]] double heading(double s) const;
   [[nodiscard]] double curvature(double s) const;
 
-
  private:
   std::vector<Vec2> knots_;
   std::vector<double> headings_;  ///< unwrapped

@@ -20,9 +20,9 @@ void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Rando
   const double half_height = 0.5 * (height - trunk);
   for (int i = 0; i < 5; ++i) {  // boughs
     const double angle = shape.uniform(0, 2 * std::numbers::pi);
-    const Vec3 tip = centre + Vec3(0.7 * crown_radius * std::cos(angle),
-                                   0.7 * crown_radius * std::sin(angle),
-                                   half_height * shape.uniform(-0.3, 0.5));
+    const Vec3 tip =
+        centre + Vec3(0.7 * crown_radius * std::cos(angle), 0.7 * crown_radius * std::sin(angle),
+                      half_height * shape.uniform(-0.3, 0.5));
     add_bar(mesh, foot + Vec3(0, 0, trunk * shape.uniform(0.9, 1.5)), tip, radius, Material::wood);
   }
   const int clumps = static_cast<int>(foliage * std::min(240.0, 26.0 * crown_radius * half_height));
@@ -75,8 +75,7 @@ void add_person(Mesh& mesh, const Place& place, Random& random) {
           Material::cloth);
   add_box(mesh, place, {-stride - 0.08, 0.03, 0}, {-stride + 0.08, 0.18, 0.45 * height},
           Material::cloth);
-  add_box(mesh, place, {-0.13, -0.24, 0.42 * height}, {0.13, 0.24, 0.83 * height},
-          Material::cloth);
+  add_box(mesh, place, {-0.13, -0.24, 0.42 * height}, {0.13, 0.24, 0.83 * height}, Material::cloth);
   add_column(mesh, place.at(0, 0, 0.83 * height), 0.1, 0.09, 0.17 * height, 6, Material::cloth);
 }
 

@@ -11,10 +11,10 @@ namespace groundloop::simulation {
 /// A rectangular block: x along the street, y away from it, from the ground up.
 struct Block {
   double x0, x1, y0, y1;
-  double foot = -1.0;    ///< z of the walls' lower edge, under the ground
-  double eaves = 6.0;    ///< z of the walls' upper edge
-  double roof = 0.0;     ///< height of the ridge over the eaves; 0 is a flat roof with a parapet
-  double overhang = 0.3; ///< of the roof over the walls
+  double foot = -1.0;     ///< z of the walls' lower edge, under the ground
+  double eaves = 6.0;     ///< z of the walls' upper edge
+  double roof = 0.0;      ///< height of the ridge over the eaves; 0 is a flat roof with a parapet
+  double overhang = 0.3;  ///< of the roof over the walls
   bool windows = true;
 };
 

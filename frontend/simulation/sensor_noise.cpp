@@ -18,8 +18,7 @@ double NoiseModel::loss(const Hit& hit, double cosine) const {
   const double reflected = material.reflectivity * (0.4 + 0.6 * cosine);
   const double limit = sensor_.max_range() * std::sqrt(reflected / 0.8);
   const double faint = std::clamp((hit.range / limit - 0.8) / 0.3, 0.0, 1.0);
-  return std::min(1.0, noise_ * (material.dropout + 0.005)) +
-         std::min(1.0, noise_) * faint * faint;
+  return std::min(1.0, noise_ * (material.dropout + 0.005)) + std::min(1.0, noise_) * faint * faint;
 }
 
 Echo NoiseModel::measure(std::size_t scan, std::size_t index, const SensorRay& shot, const Ray& ray,
@@ -47,8 +46,8 @@ Echo NoiseModel::measure(std::size_t scan, std::size_t index, const SensorRay& s
   // one in between.
   constexpr double resolution = 1.5;
   const double gap = beside.range - hit.range;
-  if (beside.range > 0.0F && std::abs(gap) > 0.15 && std::abs(gap) < resolution &&
-      cosine > 0.2 && edge < noise_ * sensor_.edge_chance()) {
+  if (beside.range > 0.0F && std::abs(gap) > 0.15 && std::abs(gap) < resolution && cosine > 0.2 &&
+      edge < noise_ * sensor_.edge_chance()) {
     range += gap * random.uniform();
     echo.true_echo = false;
   }

@@ -20,8 +20,7 @@ class NoiseModel {
   static constexpr float min_range = 1.0F;  ///< nearer echoes are the carrier's own
 
   NoiseModel(const Sensor& sensor, const SimulationParameters& parameters)
-      : sensor_(sensor), noise_(parameters.noise),
-        key_(key_of_recording(parameters)) {}
+      : sensor_(sensor), noise_(parameters.noise), key_(key_of_recording(parameters)) {}
 
   /// The echo of ray `index` of scan `scan`; `beside` is the hit of the ray next to it.
   [[nodiscard]] Echo measure(std::size_t scan, std::size_t index, const SensorRay& shot,

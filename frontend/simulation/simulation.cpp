@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
 #include "frontend/simulation/motion.hpp"
 #include "frontend/simulation/ray_caster.hpp"
@@ -119,8 +120,7 @@ Scan TheSimulation::simulate(std::size_t index, std::vector<PointTruth>* truth) 
   });
   parallel_for(shots_.size(), block, [&](std::size_t i) {
     const std::size_t beside = std::min(i + sensor_.neighbour(), shots_.size() - 1);
-    echoes_[i] =
-        noise_.measure(index, i, shots_[i], rays_[i], hits_[i], hits_[beside], caster_);
+    echoes_[i] = noise_.measure(index, i, shots_[i], rays_[i], hits_[i], hits_[beside], caster_);
   });
 
   Scan scan;

@@ -23,7 +23,7 @@ struct SimulationParameters {
   std::uint64_t route = 1;        ///< of the way through the world and the noise of single rays
   int change = 0;                 ///< 0, 1, ...: the same place on another day
   double noise = 1.0;             ///< factor on all sensor errors
-  double fov = 360.0;             ///< of a spinning sensor, degrees: 360, or 290 (blind to the rear)
+  double fov = 360.0;  ///< of a spinning sensor, degrees: 360, or 290 (blind to the rear)
 };
 
 /// Parses a specification. Throws InputError naming the key, the value and what is allowed.

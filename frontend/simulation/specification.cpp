@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/simulation/simulation.hpp"
 
@@ -124,8 +125,8 @@ SimulationParameters parse_simulation(const std::string& specification) {
     const std::string_view item = rest.substr(0, rest.find('&'));
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) {
-      refuse(specification, "'" + std::string(item) + "' must be key=value; keys are " +
-                                list(keys));
+      refuse(specification,
+             "'" + std::string(item) + "' must be key=value; keys are " + list(keys));
     }
     const std::string key(item.substr(0, equals));
     set(parameters, specification, key, item.substr(equals + 1));

@@ -128,10 +128,9 @@ Way plan_street_route(const StreetNetwork& network, const SimulationParameters& 
     const Street street = *network.between(crossings[k], crossings[k + 1]);
     const double length = street.length();
     // Now nearer the kerb, now nearer the middle: a revisit is never quite in the same track.
-    const double lane =
-        parameters.carrier == "car"
-            ? std::clamp(0.45 * street.half_width + random.gauss(0.35), 0.9, 2.6)
-            : street.half_width + 0.5 * street.pavement + random.uniform(-0.3, 0.3);
+    const double lane = parameters.carrier == "car"
+                            ? std::clamp(0.45 * street.half_width + random.gauss(0.35), 0.9, 2.6)
+                            : street.half_width + 0.5 * street.pavement + random.uniform(-0.3, 0.3);
     const int steps = static_cast<int>((length - 2 * corner) / 1.0);
     for (int i = 0; i <= steps; ++i) {
       const double t = (corner + (length - 2 * corner) * i / steps) / length;

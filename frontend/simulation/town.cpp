@@ -19,9 +19,8 @@ class Town final : public World {
   explicit Town(const SimulationParameters& parameters)
       : seed_(key_of(parameters.seed, 10)),
         day_(key_of(parameters.seed, 11, parameters.change)),
-        foliage_(parameters.change == 0
-                     ? 1.0
-                     : Random(key_of(parameters.change, 12)).uniform(0.25, 1.0)),
+        foliage_(parameters.change == 0 ? 1.0
+                                        : Random(key_of(parameters.change, 12)).uniform(0.25, 1.0)),
         network_(key_of(parameters.seed, 13)) {}
 
   double ground(const Vec2& p) const override {
@@ -74,14 +73,13 @@ class Town final : public World {
 void Town::build(const ChunkId& chunk, Mesh& mesh) const {
   const Crossing crossing{chunk.i, chunk.j};
   const std::vector<Street> around = network_.around(crossing, 2);
-  add_terrain(mesh, chunk_size() * Vec2(chunk.i, chunk.j), chunk_size(), 2.5,
-              [&](const Vec2& p) { return ground(p); },
-              [&](const Vec2& p) {
-                const double free = clearance(around, p);
-                return free < -2.0 ? Material::asphalt
-                       : free < 1.0 ? Material::paving
-                                    : Material::grass;
-              });
+  add_terrain(
+      mesh, chunk_size() * Vec2(chunk.i, chunk.j), chunk_size(), 2.5,
+      [&](const Vec2& p) { return ground(p); },
+      [&](const Vec2& p) {
+        const double free = clearance(around, p);
+        return free < -2.0 ? Material::asphalt : free < 1.0 ? Material::paving : Material::grass;
+      });
   for (int axis = 0; axis < 2; ++axis) {
     const auto street = network_.street(crossing, axis);
     if (!street) continue;
@@ -119,8 +117,9 @@ void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& a
   // Rows of houses, villas with gardens, or blocks of flats.
   const double kind = random.uniform();
   const bool rows = kind < 0.4, villas = kind < 0.75;
-  const double typical_height = rows ? random.uniform(6, 12) : villas ? random.uniform(3.5, 7)
-                                                                      : random.uniform(9, 18);
+  const double typical_height = rows     ? random.uniform(6, 12)
+                                : villas ? random.uniform(3.5, 7)
+                                         : random.uniform(9, 18);
   double x = random.uniform(8, 14);
   while (x < side.length - 10) {
     Random day(key_of(day_, static_cast<std::int64_t>(side.sign), side.street.key,
@@ -148,16 +147,17 @@ void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& a
       }
     }
     if (free && !empty) {
-      add_house(mesh, Place{on_ground(corner + 0.5 * width * forward) -
-                                Vec3(0.5 * width * forward.x(), 0.5 * width * forward.y(), 0),
-                            forward},
+      add_house(mesh,
+                Place{on_ground(corner + 0.5 * width * forward) -
+                          Vec3(0.5 * width * forward.x(), 0.5 * width * forward.y(), 0),
+                      forward},
                 width, depth, height, random);
     }
     if ((!rows || empty) && x + width < side.length - 8) {
       build_garden(mesh, side, x, width, setback, random, day);
     }
-    x += width + (rows ? (random.chance(0.2) ? random.uniform(1.5, 4.0) : 0.0)
-                       : random.uniform(2.0, 9.0));
+    x += width +
+         (rows ? (random.chance(0.2) ? random.uniform(1.5, 4.0) : 0.0) : random.uniform(2.0, 9.0));
   }
 }
 
@@ -172,7 +172,8 @@ void Town::build_garden(Mesh& mesh, const Side& side, double x, double width, do
     add_fence(mesh, a, b, random.uniform(0.8, 1.5));
   }
   if (random.chance(0.6)) {
-    const Vec2 p = side.at(x + random.uniform(1, width - 1), line + random.uniform(0.8, 1.0 + depth));
+    const Vec2 p =
+        side.at(x + random.uniform(1, width - 1), line + random.uniform(0.8, 1.0 + depth));
     const double height = random.uniform(3, 9);
     const Random shape(random.bits());
     add_tree(mesh, on_ground(p), height, foliage_, shape, Random(day.bits()));

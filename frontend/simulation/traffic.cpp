@@ -50,7 +50,9 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
   }
   Random random(key_of(parameters.seed, 71, parameters.route, parameters.change));
   const auto car = [&] { return static_cast<std::size_t>(random.below(car_shapes)); };
-  const auto person = [&] { return static_cast<std::size_t>(car_shapes + random.below(person_shapes)); };
+  const auto person = [&] {
+    return static_cast<std::size_t>(car_shapes + random.below(person_shapes));
+  };
   const double end = motion.duration();
   const bool drives = parameters.carrier == "car";
   for (double t = random.uniform(0, 20); drives && t < end;) {  // ahead, and behind
@@ -62,8 +64,8 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
     t += stays + random.uniform(10, 70);
   }
   for (double t = random.uniform(0, 8); t < end; t += random.uniform(4, 16)) {
-    agents_.push_back({car(), motion.distance(t), t, -random.uniform(5, 10), 0.0, 1, t - 14, t + 14,
-                       false});
+    agents_.push_back(
+        {car(), motion.distance(t), t, -random.uniform(5, 10), 0.0, 1, t - 14, t + 14, false});
   }
   for (double s = 5.0; s < motion.line().length(); s += random.uniform(6, 40)) {
     // When the carrier comes by; duration is short against the way, so halving will do.
@@ -88,8 +90,8 @@ double Traffic::along(const Agent& agent, double seconds) const {
 Pose Traffic::pose(const Agent& agent, double seconds) const {
   const double s = along(agent, seconds);
   const Line& line = motion_.line();
-  const auto k = std::min(static_cast<std::size_t>(std::max(0.0, s / Line::step)),
-                          oncoming_.size() - 1);
+  const auto k =
+      std::min(static_cast<std::size_t>(std::max(0.0, s / Line::step)), oncoming_.size() - 1);
   double lateral = agent.lateral;
   if (agent.side == 1) lateral += oncoming_[k];
   if (agent.side == 2) lateral += centre_[k] + pavement_[k];

@@ -20,12 +20,12 @@ class Traffic {
  private:
   struct Agent {
     std::size_t shape;
-    double s0, t0;      ///< where along the way at what time
-    double speed;       ///< along the way, negative: against it, m/s
-    double lateral;     ///< offset to the left of the way, m; what `side` adds comes on top
-    int side;           ///< 0: own lane, 1: opposite lane, 2 left pavement, 3 right pavement
-    double from, until; ///< seconds in which it is there
-    bool follows;       ///< keeps its distance `s0` ahead of the carrier instead
+    double s0, t0;       ///< where along the way at what time
+    double speed;        ///< along the way, negative: against it, m/s
+    double lateral;      ///< offset to the left of the way, m; what `side` adds comes on top
+    int side;            ///< 0: own lane, 1: opposite lane, 2 left pavement, 3 right pavement
+    double from, until;  ///< seconds in which it is there
+    bool follows;        ///< keeps its distance `s0` ahead of the carrier instead
   };
   [[nodiscard]] Pose pose(const Agent& agent, double seconds) const;
   [[nodiscard]] double along(const Agent& agent, double seconds) const;

@@ -4,6 +4,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/recording.hpp"
+#include "frontend/simulation/simulation.hpp"
 #include "frontend/sources/elevation_correction.hpp"
 #include "frontend/sources/kitti.hpp"
 #include "frontend/sources/wrappers.hpp"
@@ -63,6 +64,11 @@ std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
 
 std::unique_ptr<Recording> open_recording(const std::string& path,
                                           const RecordingOptions& options) {
+  if (is_simulation(path)) {
+    std::unique_ptr<Recording> simulation = open_simulation(path);
+    if (options.first == 0 && options.count >= simulation->size()) return simulation;
+    return sources::slice(std::move(simulation), options.first, options.count);
+  }
   std::error_code error;
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such file or folder; check the path");
