@@ -1,0 +1,46 @@
+#include "backend/odometry_information.hpp"
+
+#include "frontend/core/error.hpp"
+
+namespace groundloop {
+namespace {
+
+double square(double x) { return x * x; }
+
+Vector6d variances(const Pose& step, const OdometryInformationOptions& options) {
+  const double way = step.translation.norm();
+  const double turn = rotation_angle(step.rotation);
+  Vector6d v;
+  v.head<3>().setConstant(square(options.translation) * way + square(options.translation_floor));
+  v.tail<3>().setConstant(square(options.rotation) * way +
+                          square(options.rotation_per_turn) * turn +
+                          square(options.rotation_floor));
+  return v;
+}
+
+}  // namespace
+
+Matrix6d odometry_covariance(const Pose& T_previous_current,
+                             const OdometryInformationOptions& options) {
+  return variances(T_previous_current, options).asDiagonal();
+}
+
+Matrix6d odometry_information(const Pose& T_previous_current,
+                              const OdometryInformationOptions& options) {
+  return variances(T_previous_current, options).cwiseInverse().asDiagonal();
+}
+
+RelativePose compose_odometry(std::span<const Pose> T_world_scan, std::size_t from, std::size_t to,
+                              const OdometryInformationOptions& options) {
+  check(from <= to && to < T_world_scan.size(), "compose_odometry: scans in order and range");
+  RelativePose chain;
+  for (std::size_t i = from; i < to; ++i) {
+    const Pose step = T_world_scan[i].inverse() * T_world_scan[i + 1];
+    chain = chain * RelativePose{step, odometry_covariance(step, options)};
+  }
+  // The product of the steps, without their rounding.
+  chain.T_from_to = T_world_scan[from].inverse() * T_world_scan[to];
+  return chain;
+}
+
+}  // namespace groundloop
