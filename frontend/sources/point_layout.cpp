@@ -258,16 +258,16 @@ const char* to_string(FieldType type) {
   return names.at(static_cast<std::size_t>(type));
 }
 
-void PointLayout::append(std::string name, FieldType type) {
-  fields.push_back({std::move(name), type, packed_size(), 0});
+void PointLayout::append(std::string name, FieldType type, std::size_t count) {
+  fields.push_back({std::move(name), type, packed_size, 0});
+  packed_size += size_of(type) * count;
 }
 
-void PointLayout::set_stride(std::size_t step) {
-  for (PointField& field : fields) field.stride = step;
-}
-
-std::size_t PointLayout::packed_size() const {
-  return fields.empty() ? 0 : fields.back().offset + size_of(fields.back().type);
+void PointLayout::set_records(std::size_t begin) {
+  for (PointField& field : fields) {
+    field.offset += begin;
+    field.stride = packed_size;
+  }
 }
 
 const PointField* PointLayout::find(const std::string& name) const {
@@ -309,6 +309,12 @@ std::optional<TimeModel> infer_time_model(const PointLayout& layout,
   return dispatch(field->type, [&](auto value) {
     return infer(*field, time_range<decltype(value)>(points, times, count), stamp, period);
   });
+}
+
+std::optional<TimeModel> merge(const std::optional<TimeModel>& a,
+                               const std::optional<TimeModel>& b) {
+  if (!a) return b;
+  return b && a->zero == TimeModel::Zero::stamp ? b : a;
 }
 
 Scan decode_points(const PointLayout& layout, std::span<const std::byte> data, std::size_t count,

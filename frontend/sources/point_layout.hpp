@@ -42,16 +42,21 @@ struct PointField {
 struct PointLayout {
   std::vector<PointField> fields;
   bool big_endian = false;
+  std::size_t packed_size = 0;  ///< bytes of the record that append() has built
 
-  /// Appends a field behind the last one, packed; set_stride afterwards.
-  void append(std::string name, FieldType type);
-  /// Makes every field's stride `step`: records one after the other.
-  void set_stride(std::size_t step);
-  /// Bytes of the packed record so far.
-  [[nodiscard]] std::size_t packed_size() const;
+  /// Appends a field of `count` values, of which the first is read, behind the last one.
+  void append(std::string name, FieldType type, std::size_t count = 1);
+  /// Makes a table of append()ed records one after the other that begins at byte `begin`.
+  void set_records(std::size_t begin);
   [[nodiscard]] const PointField* find(const std::string& name) const;
   /// "x float32, y float32, ..." for messages.
   [[nodiscard]] std::vector<std::string> described() const;
+};
+
+/// Points of a file: where they lie in its bytes.
+struct PointTable {
+  PointLayout layout;
+  std::size_t count = 0;
 };
 
 /// How a time field becomes seconds from the scan's stamp.
@@ -76,6 +81,10 @@ struct TimeModel {
                                                         std::span<const std::byte> data,
                                                         std::size_t count, Nanoseconds stamp,
                                                         Nanoseconds period);
+
+/// The model that fits both scans: a clock of its own shows only once it is away from zero.
+[[nodiscard]] std::optional<TimeModel> merge(const std::optional<TimeModel>& a,
+                                             const std::optional<TimeModel>& b);
 
 /// Decodes `count` records: valid points and, with a model, their times; points whose time is not
 /// finite or more than a minute from the scan go with it. Throws InputError beginning with `where`

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -140,36 +141,41 @@ std::optional<std::int64_t> numeric_stem(const fs::path& file) {
   return whole_number(file.stem().native());
 }
 
-std::optional<NameStamps> stamps_from_names(const std::vector<fs::path>& files) {
+std::optional<NameStamps> stamps_from_names(std::vector<fs::path>& files) {
   NameStamps result;
   std::vector<std::int64_t> whole;
+  std::vector<std::pair<Nanoseconds, fs::path>> stamped;
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
     Nanoseconds stamp = 0;
     if (const auto number = whole_number(stem)) {
       whole.push_back(*number);
     } else if (const auto parts = seconds_and_nanoseconds(stem)) {
-      result.stamps.push_back(*parts);
+      stamped.emplace_back(*parts, file);
       result.unit = "s_ns";
     } else if (stem.find_first_not_of("0123456789.") == std::string::npos &&
                parse_seconds(stem, stamp)) {
-      result.stamps.push_back(stamp);
+      stamped.emplace_back(stamp, file);
       result.unit = "s";
     } else {
       return std::nullopt;
     }
   }
   if (!whole.empty()) {
-    if (!result.stamps.empty()) return std::nullopt;  // two kinds of names
+    if (!stamped.empty()) return std::nullopt;  // two kinds of names
     const Nanoseconds unit = unit_of_names(whole);
     if (unit == 0) return std::nullopt;
-    for (const std::int64_t value : whole) {
-      if (value > std::numeric_limits<Nanoseconds>::max() / unit) return std::nullopt;
-      result.stamps.push_back(value * unit);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      if (whole[i] > std::numeric_limits<Nanoseconds>::max() / unit) return std::nullopt;
+      stamped.emplace_back(whole[i] * unit, files[i]);
     }
     result.unit = unit == 1 ? "ns" : unit == 1'000 ? "us" : unit == 1'000'000 ? "ms" : "s";
   }
+  std::stable_sort(stamped.begin(), stamped.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [stamp, file] : stamped) result.stamps.push_back(stamp);
   if (!strictly_increasing(result.stamps)) return std::nullopt;
+  for (std::size_t i = 0; i < files.size(); ++i) files[i] = stamped[i].second;
   return result;
 }
 

@@ -44,8 +44,9 @@ struct NameStamps {
 };
 /// Names such as 1567496784952532897.bin (ns), 1326030975726043.bin (us), 12.25.bin (s) and
 /// cloud_1583840211_83000000.pcd (s_ns). Small whole numbers one apart are numbers, not stamps.
+/// Sorts `files` by stamp.
 [[nodiscard]] std::optional<NameStamps> stamps_from_names(
-    const std::vector<std::filesystem::path>& files);
+    std::vector<std::filesystem::path>& files);
 
 /// The whole number that a file name (without extension) is, if it is one.
 [[nodiscard]] std::optional<std::int64_t> numeric_stem(const std::filesystem::path& file);

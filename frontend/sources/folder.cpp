@@ -1,0 +1,176 @@
+#include "frontend/sources/folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <set>
+
+#include "frontend/core/error.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/sources/ground_truth.hpp"
+#include "frontend/sources/point_files.hpp"
+#include "frontend/sources/point_layout.hpp"
+#include "frontend/sources/source_tools.hpp"
+
+namespace groundloop::sources {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<const char*, 3> kExtensions = {".bin", ".pcd", ".ply"};
+
+// Record of headerless files, by what divides all their lengths.
+std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
+  std::array<bool, 3> divides = {true, true, true};  // 16, 20, 24 bytes
+  for (const fs::path& file : files) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    for (std::size_t k = 0; k < divides.size(); ++k) {
+      divides[k] = divides[k] && size % (16 + 4 * k) == 0;
+    }
+  }
+  if (!divides[0] && divides[2]) return {"x", "y", "z", "intensity", "ring", "t"};
+  if (!divides[0] && divides[1]) return {"x", "y", "z", "intensity", "ring"};
+  return {"x", "y", "z", "intensity"};
+}
+
+class FolderRecording final : public Recording {
+ public:
+  explicit FolderRecording(const fs::path& folder) {
+    info_.path = folder.string();
+    info_.format = "folder";
+    choose_files(folder);
+    find_stamps(folder);
+    info_.gaps = count_gaps(stamps_);
+    if (extension_ == ".bin") choose_bin_layout();
+    learn_layout();
+    find_truth(folder);
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  std::size_t size() const override { return files_.size(); }
+  Nanoseconds stamp(std::size_t index) const override { return stamps_.at(index); }
+  Trajectory ground_truth() const override { return ground_truth_; }
+
+  Scan read(std::size_t index) override {
+    const std::string name = files_.at(index).string();
+    const PointTable table = parse(index);
+    Scan scan = decode_points(table.layout, buffer_, table.count, stamps_[index], times_, name);
+    require_points(scan, table.count, name);
+    return scan;
+  }
+
+ private:
+  void choose_files(const fs::path& folder) {
+    for (const char* extension : kExtensions) {
+      std::vector<fs::path> files = list_files(folder, extension);
+      if (files.empty()) continue;
+      if (!files_.empty()) {
+        const bool more = files.size() > files_.size();
+        info_.notes.push_back(std::to_string(more ? files_.size() : files.size()) + " " +
+                              (more ? extension_ : extension) +
+                              " files beside the scans are ignored.");
+        if (!more) continue;
+      }
+      files_ = std::move(files);
+      extension_ = extension;
+    }
+    if (files_.empty()) {
+      throw InputError(folder.string() + ": holds no scan; expected *.bin, *.pcd or *.ply files");
+    }
+  }
+
+  void find_stamps(const fs::path& folder) {
+    std::error_code error;
+    const fs::path absolute = fs::absolute(folder).lexically_normal();
+    for (const fs::path& place : {absolute, (absolute / "..").lexically_normal()}) {
+      for (const char* name : {"times.txt", "timestamps.txt"}) {
+        if (!fs::is_regular_file(place / name, error)) continue;
+        stamps_ = match_stamps(files_, place / name, read_stamp_file(place / name)).stamps;
+        info_.stamp_source = name;
+        return;
+      }
+    }
+    if (auto named = stamps_from_names(files_)) {
+      stamps_ = std::move(named->stamps);
+      info_.stamp_source = "file names (" + named->unit + ")";
+      return;
+    }
+    stamps_ = assumed_stamps(files_.size());
+    info_.stamp_source = "assumed 10 Hz";
+    info_.notes.emplace_back(
+        "Neither times.txt nor file names give stamps; 10 scans a second are assumed.");
+  }
+
+  void choose_bin_layout() {
+    for (const std::string& field : bin_fields(files_))
+      bin_layout_.append(field, FieldType::float32);
+    bin_layout_.set_records(0);
+    if (bin_layout_.packed_size != 16) {
+      info_.notes.push_back("Lengths of all files fit records of " +
+                            std::to_string(bin_layout_.packed_size / 4) + " float32 values.");
+    }
+  }
+
+  PointTable parse(std::size_t index) {
+    const fs::path& file = files_.at(index);
+    read_file_into(file, buffer_);
+    if (extension_ == ".pcd") return parse_pcd(buffer_, file.string());
+    if (extension_ == ".ply") return parse_ply(buffer_, file.string());
+    PointTable table{bin_layout_, buffer_.size() / bin_layout_.packed_size};
+    if (buffer_.size() % bin_layout_.packed_size != 0) {
+      throw InputError(file.string() + ": " + std::to_string(buffer_.size()) +
+                       " bytes are no multiple of " + std::to_string(bin_layout_.packed_size) +
+                       " (float32 x y z intensity); the file is cut off or of another format");
+    }
+    return table;
+  }
+
+  // Fields and the meaning of their times from the first, middle and last scans.
+  void learn_layout() {
+    bool has_field = false;
+    for (const std::size_t index : std::set<std::size_t>{0, files_.size() / 2, files_.size() - 1}) {
+      const PointTable table = parse(index);
+      if (info_.fields.empty()) info_.fields = table.layout.described();
+      has_field = has_field || find_time_field(table.layout) != nullptr;
+      times_ = merge(times_, infer_time_model(table.layout, buffer_, table.count, stamps_[index],
+                                              median_period(stamps_)));
+    }
+    info_.point_times = times_      ? times_->described()
+                        : has_field ? "none (the time field is constant)"
+                                    : "none";
+  }
+
+  void find_truth(const fs::path& folder) {
+    const fs::path absolute = fs::absolute(folder).lexically_normal();
+    const fs::path parent =
+        (absolute.has_filename() ? absolute : absolute.parent_path()).parent_path();
+    const fs::path file = find_ground_truth({absolute, parent});
+    if (file.empty()) return;
+    ground_truth_ = read_ground_truth(file, stamps_);
+    info_.notes.push_back("Ground truth is " + file.filename().string() +
+                          ", taken to be of the LiDAR itself.");
+  }
+
+  RecordingInfo info_;
+  std::vector<fs::path> files_;
+  std::string extension_;
+  std::vector<Nanoseconds> stamps_;
+  PointLayout bin_layout_;
+  std::optional<TimeModel> times_;
+  Trajectory ground_truth_;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace
+
+bool is_scan_folder(const fs::path& folder) {
+  return std::any_of(kExtensions.begin(), kExtensions.end(),
+                     [&](const char* extension) { return !list_files(folder, extension).empty(); });
+}
+
+std::unique_ptr<Recording> open_folder(const fs::path& folder) {
+  return std::make_unique<FolderRecording>(folder);
+}
+
+}  // namespace groundloop::sources
