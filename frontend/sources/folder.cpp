@@ -165,6 +165,8 @@ class FolderRecording final : public Recording {
 }  // namespace
 
 bool is_scan_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return false;
   return std::any_of(kExtensions.begin(), kExtensions.end(),
                      [&](const char* extension) { return !list_files(folder, extension).empty(); });
 }

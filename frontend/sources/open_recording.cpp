@@ -1,11 +1,14 @@
 // Which reader a path is for, and what is wrapped around it: elevation correction, range of scans.
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
 
 #include "frontend/core/error.hpp"
 #include "frontend/recording.hpp"
 #include "frontend/simulation/simulation.hpp"
 #include "frontend/sources/elevation_correction.hpp"
+#include "frontend/sources/folder.hpp"
 #include "frontend/sources/kitti.hpp"
 #include "frontend/sources/wrappers.hpp"
 
@@ -14,22 +17,50 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string recognise(const fs::path& path) {
-  if (!sources::find_kitti_sequence(path).empty()) return "kitti";
-  return "";
+using Opener = std::unique_ptr<Recording> (*)(const fs::path&, const RecordingOptions&);
+
+struct Format {
+  const char* name;
+  const char* looked_for;               ///< what a path must hold, for messages
+  bool (*recognises)(const fs::path&);  ///< of a path that exists
+  Opener open;
+};
+
+// In order of recognition: the more particular first.
+const std::array kFormats = {
+    Format{"kitti", "a KITTI sequence (velodyne/*.bin or sequences/NN/velodyne/*.bin)",
+           [](const fs::path& path) { return !sources::find_kitti_sequence(path).empty(); },
+           [](const fs::path& path, const RecordingOptions&) {
+             return sources::open_kitti(sources::find_kitti_sequence(path));
+           }},
+    Format{
+        "folder", "a folder of *.bin, *.pcd or *.ply scans",
+        [](const fs::path& path) { return sources::is_scan_folder(path); },
+        [](const fs::path& path, const RecordingOptions&) { return sources::open_folder(path); }},
+};
+
+std::string names_of_formats() {
+  std::string names;
+  for (const Format& format : kFormats)
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
 }
 
-std::unique_ptr<Recording> open_as(const std::string& format, const fs::path& path) {
-  if (format == "kitti") {
-    const fs::path sequence = sources::find_kitti_sequence(path);
-    if (sequence.empty()) {
-      throw InputError(path.string() +
-                       ": no KITTI sequence here; looked for velodyne/*.bin and "
-                       "sequences/NN/velodyne/*.bin");
+const Format& choose_format(const fs::path& path, const std::string& name) {
+  std::string looked_for;
+  for (const Format& format : kFormats) {
+    if (name == format.name) {
+      if (format.recognises(path)) return format;
+      throw InputError(path.string() + ": holds nothing of format " + name + "; looked for " +
+                       format.looked_for);
     }
-    return sources::open_kitti(sequence);
+    if (name.empty() && format.recognises(path)) return format;
+    looked_for += (looked_for.empty() ? "" : ", ") + std::string(format.looked_for);
   }
-  throw InputError("--format " + format + " is unknown; known are kitti");
+  if (!name.empty()) {
+    throw InputError("--format " + name + " is unknown; known are " + names_of_formats());
+  }
+  throw InputError(path.string() + ": no recording is recognised here; looked for " + looked_for);
 }
 
 std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
@@ -60,27 +91,23 @@ std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
       "Elevation is not corrected: " + signature.reason + ", not those of KITTI's HDL-64E.");
 }
 
-}  // namespace
-
-std::unique_ptr<Recording> open_recording(const std::string& path,
-                                          const RecordingOptions& options) {
-  if (is_simulation(path)) {
-    std::unique_ptr<Recording> simulation = open_simulation(path);
-    if (options.first == 0 && options.count >= simulation->size()) return simulation;
-    return sources::slice(std::move(simulation), options.first, options.count);
+std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOptions& options) {
+  if (options.format == "sim" || (options.format.empty() && is_simulation(path))) {
+    return open_simulation(path);
   }
   std::error_code error;
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such file or folder; check the path");
   }
-  const std::string format = options.format.empty() ? recognise(path) : options.format;
-  if (format.empty()) {
-    throw InputError(path +
-                     ": no recording is recognised here; looked for a KITTI sequence "
-                     "(velodyne/*.bin); name the format with --format");
-  }
+  return choose_format(path, options.format).open(path, options);
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> open_recording(const std::string& path,
+                                          const RecordingOptions& options) {
   std::unique_ptr<Recording> recording =
-      correct(open_as(format, path), options.elevation_correction);
+      correct(open_path(path, options), options.elevation_correction);
   if (options.first == 0 && options.count >= recording->size()) return recording;
   return sources::slice(std::move(recording), options.first, options.count);
 }
