@@ -7,6 +7,8 @@
 #include <Eigen/SVD>
 #include <Eigen/SparseCore>
 
+#include "backend/single_threaded_algebra.hpp"
+
 namespace groundloop {
 namespace {
 
@@ -73,6 +75,7 @@ class BlockSystem {
     }
     SparseMatrix H(right_.rows(), right_.rows());
     H.setFromTriplets(triplets_.begin(), triplets_.end());
+    const SingleThreadedAlgebra one_thread;
     Eigen::CholmodDecomposition<SparseMatrix, Eigen::Lower> cholesky;
     cholesky.cholmod().print = 0;
     cholesky.compute(H);
