@@ -29,6 +29,7 @@ struct MapDescription {
   double ground_quality =
       0.0;  ///< share of the occupied ground cells that support the plane, in [0, 1]
   std::vector<Eigen::Vector2f> keypoints;  ///< metres, in the ground frame
+  std::vector<float> orientations;         ///< rad, in the ground frame, one a keypoint
   std::vector<Descriptor> descriptors;     ///< one a keypoint
 };
 

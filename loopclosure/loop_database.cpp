@@ -1,0 +1,135 @@
+#include "loopclosure/loop_database.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "frontend/core/error.hpp"
+#include "loopclosure/hamming.hpp"
+#include "loopclosure/stopwatch.hpp"
+
+namespace groundloop {
+namespace {
+
+// One number of a pair of maps, the same in every run.
+std::uint64_t seed_of(const MapKey& a, const MapKey& b) {
+  std::uint64_t seed = 0;
+  for (const int value : {a.session, a.map, b.session, b.map}) {
+    seed = (seed ^ static_cast<std::uint32_t>(value)) * 0x9e3779b97f4a7c15ULL;
+    seed ^= seed >> 29;
+  }
+  return seed;
+}
+
+}  // namespace
+
+LoopDatabase::LoopDatabase(const LoopClosureOptions& options)
+    : options_(options), tree_(static_cast<std::size_t>(options.matching.leaf_size)) {}
+
+void LoopDatabase::insert(MapDescription description) {
+  check(description.keypoints.size() == description.descriptors.size(),
+        "a description has one descriptor a keypoint");
+  check(std::none_of(descriptions_.begin(), descriptions_.end(),
+                     [&](const MapDescription& d) { return d.key == description.key; }),
+        "a map enters the loop database once");
+  descriptions_.push_back(std::move(description));
+  insert_features(static_cast<std::uint32_t>(descriptions_.size() - 1));
+}
+
+void LoopDatabase::insert_features(std::uint32_t index) {
+  const std::vector<Descriptor>& descriptors = descriptions_[index].descriptors;
+  for (std::size_t i = 0; i < descriptors.size(); ++i) {
+    tree_.insert(descriptors[i], static_cast<std::uint32_t>(origins_.size()));
+    origins_.push_back({index, static_cast<std::uint32_t>(i)});
+  }
+}
+
+void LoopDatabase::rebuild() {
+  tree_ = HammingTree(static_cast<std::size_t>(options_.matching.leaf_size));
+  origins_.clear();
+  for (std::size_t i = 0; i < descriptions_.size(); ++i) {
+    insert_features(static_cast<std::uint32_t>(i));
+  }
+}
+
+void LoopDatabase::remove_session(int session) {
+  std::erase_if(descriptions_, [&](const MapDescription& d) { return d.key.session == session; });
+  rebuild();
+}
+
+bool LoopDatabase::is_candidate(const MapKey& reference, const MapKey& query) const {
+  return reference.session != query.session ||
+         reference.map < query.map - options_.matching.skipped_maps;
+}
+
+std::vector<std::vector<KeypointMatch>> LoopDatabase::match(const MapDescription& query) const {
+  std::vector<std::vector<KeypointMatch>> matches(descriptions_.size());
+  const int bound = options_.matching.max_distance_bits;
+  if (options_.matching.method == "exhaustive") {
+    std::vector<std::uint16_t> distances;
+    for (std::size_t m = 0; m < descriptions_.size(); ++m) {
+      if (!is_candidate(descriptions_[m].key, query.key)) continue;
+      const std::vector<Descriptor>& stored = descriptions_[m].descriptors;
+      distances.resize(stored.size());
+      for (std::uint32_t q = 0; q < query.descriptors.size(); ++q) {
+        hamming_distances(query.descriptors[q], stored.data(), stored.size(), distances.data());
+        for (std::uint32_t r = 0; r < stored.size(); ++r) {
+          if (distances[r] <= bound) matches[m].push_back({q, r, distances[r]});
+        }
+      }
+    }
+    return matches;
+  }
+  std::vector<bool> candidate(descriptions_.size());
+  for (std::size_t m = 0; m < descriptions_.size(); ++m) {
+    candidate[m] = is_candidate(descriptions_[m].key, query.key);
+  }
+  std::vector<HammingTree::Match> found;
+  for (std::uint32_t q = 0; q < query.descriptors.size(); ++q) {
+    tree_.search(query.descriptors[q], bound, found);
+    for (const HammingTree::Match& f : found) {
+      const Origin& origin = origins_[f.id];
+      if (candidate[origin.description]) {
+        matches[origin.description].push_back({q, origin.keypoint, f.distance});
+      }
+    }
+  }
+  return matches;
+}
+
+std::vector<ClosureCandidate> LoopDatabase::query(const MapDescription& query,
+                                                  LoopClosureTimes* times) const {
+  Stopwatch watch;
+  const std::vector<std::vector<KeypointMatch>> matches = match(query);
+  const double matching = watch.lap();
+  const auto least = static_cast<std::size_t>(options_.consensus.min_inliers);
+  std::vector<ClosureCandidate> candidates;
+  const Pose T_query_ground = query.T_ground_map.inverse();
+  for (std::size_t m = 0; m < descriptions_.size(); ++m) {
+    if (matches[m].size() < least) continue;
+    const MapDescription& reference = descriptions_[m];
+    const Consensus consensus = find_consensus(query, reference, matches[m], options_.consensus,
+                                               seed_of(reference.key, query.key));
+    if (consensus.inliers.size() < least) continue;
+    ClosureCandidate candidate;
+    candidate.reference = reference.key;
+    candidate.query = query.key;
+    candidate.matches = static_cast<int>(matches[m].size());
+    candidate.inliers = static_cast<int>(consensus.inliers.size());
+    candidate.T_query_reference =
+        T_query_ground * lift(consensus.T_query_reference) * reference.T_ground_map;
+    candidates.push_back(candidate);
+  }
+  std::sort(candidates.begin(), candidates.end(),
+            [](const ClosureCandidate& a, const ClosureCandidate& b) {
+              return a.reference < b.reference;
+            });
+  if (times != nullptr) {
+    times->matching += matching;
+    times->consensus += watch.lap();
+  }
+  return candidates;
+}
+
+}  // namespace groundloop

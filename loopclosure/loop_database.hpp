@@ -1,0 +1,61 @@
+// The loop database (Sec. 3.5): descriptions of local maps of one or several sessions, searched for
+// those that may show the same place as a query. In memory and on disk. It proposes candidates; it
+// does not decide whether they are true.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "loopclosure/consensus.hpp"
+#include "loopclosure/hamming_tree.hpp"
+#include "loopclosure/loop_closure.hpp"
+#include "loopclosure/options.hpp"
+
+namespace groundloop {
+
+class LoopDatabase {
+ public:
+  explicit LoopDatabase(const LoopClosureOptions& options);
+
+  /// Adds a map; its key must be new. Its features enter the tree.
+  void insert(MapDescription description);
+
+  /// Candidates for `query`, sorted by the reference's key: every map of another session, and of
+  /// the query's own session those before it but for the last options.matching.skipped_maps, that
+  /// have at least options.consensus.min_inliers inliers. The query itself is not inserted.
+  [[nodiscard]] std::vector<ClosureCandidate> query(const MapDescription& query,
+                                                    LoopClosureTimes* times = nullptr) const;
+
+  /// Matches of a query's features, one list a description in their order; empty for maps that are
+  /// no candidates.
+  [[nodiscard]] std::vector<std::vector<KeypointMatch>> match(const MapDescription& query) const;
+
+  /// In the order they were inserted.
+  [[nodiscard]] const std::vector<MapDescription>& descriptions() const { return descriptions_; }
+
+  /// Removes all maps of a session.
+  void remove_session(int session);
+
+  /// Writes the descriptions, versioned and with a checksum; the tree follows from them.
+  void save(const std::filesystem::path& file) const;
+  /// Throws InputError where the file is no loop database, of another version, or damaged.
+  [[nodiscard]] static LoopDatabase load(const std::filesystem::path& file,
+                                         const LoopClosureOptions& options);
+
+ private:
+  [[nodiscard]] bool is_candidate(const MapKey& reference, const MapKey& query) const;
+  void insert_features(std::uint32_t index);
+  void rebuild();
+
+  LoopClosureOptions options_;
+  std::vector<MapDescription> descriptions_;
+  HammingTree tree_;
+  /// For each feature in the tree: its description and its place there.
+  struct Origin {
+    std::uint32_t description, keypoint;
+  };
+  std::vector<Origin> origins_;
+};
+
+}  // namespace groundloop

@@ -1,0 +1,127 @@
+// Options of the loop-closure module (Sec. 3.2 to 3.6 of the paper). Values the paper does not give
+// are marked so; every stage that can be switched off says what then stands in its place.
+#pragma once
+
+#include <string>
+
+#include "frontend/core/options.hpp"
+
+namespace groundloop {
+
+struct GroundAlignmentOptions {
+  bool enabled = true;
+  double cell_size = 1.0;
+  double normal_gate = 0.95;
+  int max_iterations = 10;
+  double weight_scale = 0.3;
+  double min_quality = 0.05;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("enabled", self.enabled, OnOff{}, "", "off: maps are projected along their own z axis");
+    field("cell_size", self.cell_size, Range{0.1, 10.0}, "m",
+          "edge of the voxels whose lowest are sampled");
+    field("normal_gate", self.normal_gate, Range{0.5, 0.9999}, "",
+          "cosine to the principal normal above which a cell is ground");
+    field("max_iterations", self.max_iterations, Range{0, 100}, "", "least-squares steps");
+    field("weight_scale", self.weight_scale, Range{0.01, 10.0}, "m",
+          "least standard deviation of the Gaussian weight (not given in the paper)");
+    field("min_quality", self.min_quality, Range{0.0, 1.0}, "",
+          "share of cells on the plane below which there is no ground");
+  }
+};
+
+struct DensityImageOptions {
+  double resolution = 0.5;
+  double min_density = 0.05;
+  double max_extent = 256.0;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("resolution", self.resolution, Range{0.05, 10.0}, "m", "edge of a pixel");
+    field("min_density", self.min_density, Range{0.0, 0.9}, "",
+          "relative density below which a pixel is empty, against moving objects");
+    field("max_extent", self.max_extent, Range{10.0, 1000.0}, "m",
+          "points farther than this from the map's origin along x or y are left out");
+  }
+};
+
+struct FeatureOptions {
+  int max_features = 500;
+  int fast_threshold = 35;
+  int edge_px = 31;
+  int patch_px = 31;
+  bool pruning = true;
+  int pruning_bits = 35;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("max_features", self.max_features, Range{1, 10000}, "", "strongest corners kept");
+    field("fast_threshold", self.fast_threshold, Range{1, 254}, "",
+          "grey-level difference of a corner (the published system's)");
+    field("edge_px", self.edge_px, Range{0, 200}, "px", "margin of the image without corners");
+    field("patch_px", self.patch_px, Range{9, 63}, "px", "patch a descriptor is computed from");
+    field("pruning", self.pruning, OnOff{}, "",
+          "self-similarity pruning against repetitive structure");
+    field("pruning_bits", self.pruning_bits, Range{0, 255}, "bits",
+          "a feature this near to another of its image goes");
+  }
+};
+
+struct MatchingOptions {
+  std::string method = "tree";
+  int max_distance_bits = 50;
+  int leaf_size = 100;
+  int skipped_maps = 3;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("method", self.method, Choices{"tree", "exhaustive"}, "",
+          "how stored descriptors are searched");
+    field("max_distance_bits", self.max_distance_bits, Range{0, 256}, "bits",
+          "descriptors farther apart do not match");
+    field("leaf_size", self.leaf_size, Range{2, 10000}, "",
+          "descriptors a leaf of the tree holds before it is split");
+    field("skipped_maps", self.skipped_maps, Range{0, 1000}, "",
+          "maps just before the query that are no candidates");
+  }
+};
+
+struct ConsensusOptions {
+  std::string method = "voting";
+  double inlier_radius = 1.5;
+  int min_inliers = 3;
+  double miss_probability = 1e-3;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("method", self.method, Choices{"voting", "ransac"}, "",
+          "voting tries every match as anchor and needs no luck; ransac is the paper's");
+    field("inlier_radius", self.inlier_radius, Range{0.1, 100.0}, "m",
+          "distance within which a match agrees with the alignment");
+    field("min_inliers", self.min_inliers, Range{2, 1000}, "",
+          "candidates with fewer are not reported");
+    field("miss_probability", self.miss_probability, Range{1e-9, 0.5}, "",
+          "ransac: bound on the probability of missing six inliers");
+  }
+};
+
+struct LoopClosureOptions {
+  GroundAlignmentOptions ground_alignment;
+  DensityImageOptions density_image;
+  FeatureOptions features;
+  MatchingOptions matching;
+  ConsensusOptions consensus;
+
+  /// Calls section(name, options) for each part.
+  template <typename Self, typename Visitor>
+  static void visit_sections(Self& self, Visitor&& section) {
+    section("ground_alignment", self.ground_alignment);
+    section("density_image", self.density_image);
+    section("features", self.features);
+    section("matching", self.matching);
+    section("consensus", self.consensus);
+  }
+};
+
+}  // namespace groundloop

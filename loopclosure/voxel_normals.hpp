@@ -1,0 +1,38 @@
+// Voxels of a local map with the mean of their points and, on demand, the normal of the plane
+// through them: what ground alignment samples from.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "frontend/core/scan.hpp"
+
+namespace groundloop {
+
+class VoxelNormals {
+ public:
+  /// Voxels of edge `size` (m). Points that are not finite or beyond 10 km are left out.
+  VoxelNormals(const Points& points, double size);
+
+  [[nodiscard]] std::size_t size() const { return means_.size(); }
+  /// Means of the voxels' points, in the order their first points came.
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& means() const { return means_; }
+  /// Unit normal of the points of voxel i, of either sign; zero where they are fewer than five or
+  /// lie on no plane. Computed at the first call.
+  [[nodiscard]] const Eigen::Vector3f& normal(std::size_t i) const;
+
+ private:
+  struct Moments {
+    float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  };
+  std::vector<Eigen::Vector3f> means_;
+  std::vector<Moments> moments_;  ///< about the voxel's corner
+  mutable std::vector<Eigen::Vector3f> normals_;
+  mutable std::vector<std::uint8_t> known_;
+};
+
+}  // namespace groundloop
