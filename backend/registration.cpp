@@ -1,0 +1,285 @@
+#include "backend/registration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "frontend/core/parallel.hpp"
+
+namespace groundloop {
+namespace {
+
+constexpr std::size_t kBlock = 512;
+
+// Normal equations of one linearisation about T_target_source * exp(delta), delta = (t, r).
+struct System {
+  Matrix6d hessian = Matrix6d::Zero();  // lower triangle
+  Vector6d gradient = Vector6d::Zero();
+  double weighted_squares = 0.0;
+  double weights = 0.0;
+  double inlier_squares = 0.0;
+  Eigen::Vector3d inlier_sum = Eigen::Vector3d::Zero();  // source frame
+  std::size_t inliers = 0;
+
+  System& operator+=(const System& o) {
+    hessian += o.hessian;
+    gradient += o.gradient;
+    weighted_squares += o.weighted_squares;
+    weights += o.weights;
+    inlier_squares += o.inlier_squares;
+    inlier_sum += o.inlier_sum;
+    inliers += o.inliers;
+    return *this;
+  }
+};
+
+// The nearest cell mean among the eight cells around `point`: complete within half a cell.
+int nearest_cell(const VoxelLevel& level, const Eigen::Vector3f& point) {
+  const float inverse = 1.0F / level.voxel_size;
+  const Eigen::Vector3i corner =
+      voxel_cell(point - Eigen::Vector3f::Constant(0.5F * level.voxel_size), inverse);
+  int best = -1;
+  float best_distance = level.voxel_size * level.voxel_size;
+  for (int i = 0; i < 8; ++i) {
+    const VoxelKey key = voxel_key(corner + Eigen::Vector3i(i & 1, (i >> 1) & 1, i >> 2));
+    if (key == kNoVoxel) continue;
+    const int number = level.index.find(key);
+    if (number < 0) continue;
+    const float distance = (level.means[static_cast<std::size_t>(number)] - point).squaredNorm();
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = number;
+    }
+  }
+  return best;
+}
+
+// Linearises over every `stride`-th source cell.
+System linearise(const VoxelLevel& target, const std::vector<Eigen::Vector3f>& source,
+                 std::size_t stride, const Pose& T_target_source, float kernel) {
+  const PoseF T(T_target_source);
+  const Eigen::Matrix3f R_source_target = T.rotation.transpose();
+  const float kernel2 = kernel * kernel;
+  const std::size_t n = (source.size() + stride - 1) / stride;
+  return ordered_sum(n, kBlock, System{}, [&](std::size_t begin, std::size_t end) {
+    System system;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3f& p = source[i * stride];
+      const Eigen::Vector3f moved = T * p;
+      const int cell = nearest_cell(target, moved);
+      if (cell < 0) continue;
+      const auto c = static_cast<std::size_t>(cell);
+      const Eigen::Vector3f& normal = target.normals[c];
+      if (normal.isZero(0.0F)) continue;
+      const float residual = normal.dot(moved - target.means[c]);
+      const float residual2 = residual * residual;
+      // Geman-McClure, and less weight on rough surfaces (vegetation) than on smooth ones.
+      const float robust = kernel2 / (kernel2 + residual2);
+      const float smooth = kernel2 / (kernel2 + 4.0F * target.variances[c]);
+      const double weight = robust * robust * smooth;
+      const Eigen::Vector3f m = R_source_target * normal;
+      Vector6d J;
+      J << m.cast<double>(), p.cross(m).cast<double>();
+      system.hessian.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
+      system.gradient += weight * residual * J;
+      system.weighted_squares += weight * residual2;
+      system.weights += weight;
+      if (residual2 < kernel2) {
+        ++system.inliers;
+        system.inlier_squares += residual2;
+        system.inlier_sum += p.cast<double>();
+      }
+    }
+    return system;
+  });
+}
+
+// A step that leaves directions alone which the surfaces do not hold.
+Vector6d solve(const System& system) {
+  Matrix6d h = system.hessian.selfadjointView<Eigen::Lower>();
+  // In metres at a lever of 10 m, so that one damping serves both halves.
+  constexpr double kLever = 10.0;
+  Vector6d scale;
+  scale << 1.0, 1.0, 1.0, 1.0 / kLever, 1.0 / kLever, 1.0 / kLever;
+  h = scale.asDiagonal() * h * scale.asDiagonal();
+  h.diagonal().array() += 1e-6 * h.trace();
+  const Vector6d step = h.ldlt().solve(scale.cwiseProduct(system.gradient));
+  return -scale.cwiseProduct(step);
+}
+
+double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+
+// Covariance = residual scatter through the Hessian, with as many independent residuals as there
+// are groups of correlated ones, plus what no number of points removes: a floor at the overlap's
+// centre and drift from there to the origins of both maps.
+Matrix6d scaled_information(const System& system, const Pose& T_target_source,
+                            const RegistrationOptions& options) {
+  const Eigen::Vector3d centre =
+      system.inlier_sum / std::max<double>(1.0, static_cast<double>(system.inliers));
+  const Matrix6d hessian = system.hessian.selfadjointView<Eigen::Lower>();
+  const double variance =
+      std::max(1e-6, system.weighted_squares / std::max(1.0, system.weights - 6.0));
+
+  // About the overlap's centre: T exp(xi) with xi = Ad(T_source_centre) xi_centre.
+  Pose T_source_centre;
+  T_source_centre.translation = centre;
+  const Matrix6d ad = adjoint(T_source_centre);
+  const Matrix6d information =
+      ad.transpose() * hessian * ad / (variance * options.correlated_points);
+
+  const double way = centre.norm() + (T_target_source * centre).norm();
+  const double floor_t = options.translation_floor * options.translation_floor +
+                         options.translation_drift * options.translation_drift * way * way;
+  const double floor_r = std::pow(options.rotation_floor_deg * std::numbers::pi / 180.0, 2.0);
+  Vector6d floor;
+  floor << floor_t, floor_t, floor_t, floor_r, floor_r, floor_r;
+  // (information^-1 + floor)^-1 without inverting a matrix that may be singular.
+  const Vector6d root = floor.cwiseMax(1e-12).cwiseSqrt();
+  const Matrix6d whitened = root.asDiagonal() * information * root.asDiagonal();
+  const Matrix6d limited =
+      Matrix6d::Identity() - (whitened + Matrix6d::Identity()).llt().solve(Matrix6d::Identity());
+  const Vector6d inverse_root = root.cwiseInverse();
+  const Matrix6d at_centre = inverse_root.asDiagonal() * limited * inverse_root.asDiagonal();
+  const Matrix6d back = adjoint(T_source_centre.inverse());
+  const Matrix6d result = back.transpose() * at_centre * back;
+  return 0.5 * (result + result.transpose());
+}
+
+// One level of the pyramids, iterated until the steps are small.
+struct LevelResult {
+  Pose T_target_source;
+  System system;  // at the last but one pose
+  int iterations = 0;
+  bool settled = false;
+};
+
+class Refinement {
+ public:
+  Refinement(const VoxelPyramid& target, const VoxelPyramid& source,
+             const RegistrationOptions& options)
+      : target_(target), source_(source), options_(options) {}
+
+  [[nodiscard]] System linearise_at(std::size_t level, const Pose& T_target_source) const {
+    const auto& points = source_.levels()[level].means;
+    const VoxelLevel& surface = target_.levels()[level];
+    return linearise(surface, points, stride_of(points.size()), T_target_source,
+                     static_cast<float>(options_.kernel) * surface.voxel_size);
+  }
+
+  // Finest cells of the source that lie in cells of about 2 m where the target has points too.
+  [[nodiscard]] std::size_t count_shared(const Pose& T_target_source) const {
+    const auto& points = source_.finest().means;
+    const VoxelLevel& coarse =
+        target_.levels()[std::min<std::size_t>(2, target_.levels().size() - 1)];
+    const float inverse = 1.0F / coarse.voxel_size;
+    const PoseF T(T_target_source);
+    const std::size_t stride = stride_of(points.size());
+    const std::size_t n = (points.size() + stride - 1) / stride;
+    return ordered_sum(n, kBlock, std::size_t{0}, [&](std::size_t begin, std::size_t end) {
+      std::size_t count = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        const VoxelKey key = voxel_key(voxel_cell(T * points[i * stride], inverse));
+        if (key != kNoVoxel && coarse.index.find(key) >= 0) ++count;
+      }
+      return count;
+    });
+  }
+
+  [[nodiscard]] LevelResult iterate(std::size_t level, const Pose& T_target_source) const {
+    LevelResult result;
+    result.T_target_source = T_target_source;
+    // Coarse levels only bring the next one within reach.
+    const double tolerance = level == 0 ? 1.0 : 4.0;
+    while (result.iterations < options_.max_iterations && !result.settled) {
+      result.system = linearise_at(level, result.T_target_source);
+      if (result.system.inliers < 6) break;
+      const Vector6d step = solve(result.system);
+      if (!step.allFinite()) break;
+      result.T_target_source = result.T_target_source * exp_se3(step);
+      ++result.iterations;
+      result.settled = step.head<3>().norm() < tolerance * options_.translation_tolerance &&
+                       degrees(step.tail<3>().norm()) < tolerance * options_.rotation_tolerance_deg;
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::size_t stride_of(std::size_t cells) const {
+    const auto limit = static_cast<std::size_t>(options_.max_cells);
+    return std::max<std::size_t>(1, (cells + limit - 1) / limit);
+  }
+
+  const VoxelPyramid& target_;
+  const VoxelPyramid& source_;
+  const RegistrationOptions& options_;
+};
+
+// The coarse levels from several headings: a long map's far end moves by metres with a few degrees,
+// into another minimum. Coarse levels have few cells, so that this costs little.
+Pose coarse_pose(const Refinement& refinement, const Pose& T_initial, std::size_t finest_coarse,
+                 const RegistrationOptions& options, int& iterations) {
+  const double turn = options.heading_starts_deg * std::numbers::pi / 180.0;
+  Pose best = T_initial;
+  double best_weight = -1.0;
+  for (const double yaw : {0.0, turn, -turn}) {
+    Pose pose = T_initial * Pose(exp_so3(Eigen::Vector3d(0.0, 0.0, yaw)), Eigen::Vector3d::Zero());
+    for (auto level = static_cast<std::size_t>(options.levels); level-- > finest_coarse;) {
+      const LevelResult result = refinement.iterate(level, pose);
+      pose = result.T_target_source;
+      iterations += result.iterations;
+    }
+    const double weight = refinement.linearise_at(finest_coarse, pose).weights;
+    if (weight > best_weight) {
+      best_weight = weight;
+      best = pose;
+    }
+    if (turn == 0.0) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+RegistrationTarget::RegistrationTarget(const Points& points, const RegistrationOptions& options)
+    : pyramid_(points, options.voxel_size, options.levels, true) {}
+
+RegistrationResult register_points(const RegistrationTarget& target, const Points& source,
+                                   const Pose& T_target_source_initial,
+                                   const RegistrationOptions& options) {
+  const VoxelPyramid cells(source, options.voxel_size, options.levels, false);
+  const Refinement refinement(target.pyramid(), cells, options);
+  RegistrationResult result;
+  result.T_target_source = T_target_source_initial;
+  std::size_t level = std::min<std::size_t>(2, static_cast<std::size_t>(options.levels) - 1);
+  if (level > 0) {
+    result.T_target_source =
+        coarse_pose(refinement, T_target_source_initial, level, options, result.iterations);
+  } else {
+    level = 1;
+  }
+  bool settled = false;
+  while (level-- > 0) {
+    const LevelResult fine = refinement.iterate(level, result.T_target_source);
+    result.T_target_source = fine.T_target_source;
+    result.iterations += fine.iterations;
+    settled = fine.settled;
+  }
+  const System system = refinement.linearise_at(0, result.T_target_source);
+  const std::size_t shared = refinement.count_shared(result.T_target_source);
+  result.inliers = system.inliers;
+  if (system.inliers == 0) return result;
+  result.inlier_share =
+      static_cast<double>(system.inliers) / static_cast<double>(std::max<std::size_t>(1, shared));
+  result.rmse = std::sqrt(system.inlier_squares / static_cast<double>(system.inliers));
+  result.information = scaled_information(system, result.T_target_source, options);
+  const Pose moved = T_target_source_initial.inverse() * result.T_target_source;
+  result.converged = settled && static_cast<int>(system.inliers) >= options.min_inliers &&
+                     moved.translation.norm() <= options.max_translation &&
+                     degrees(rotation_angle(moved.rotation)) <= options.max_rotation_deg;
+  return result;
+}
+
+}  // namespace groundloop
