@@ -7,12 +7,17 @@
 namespace groundloop {
 namespace {
 
+// Keys of the voxels that points come to lie in; kNoKey for those that have none.
+constexpr VoxelKey kNoKey = ~VoxelKey{0};
+
 std::vector<VoxelKey> keys_of(const Points& points, const Pose& T_query_points, float voxel_size) {
   const PoseF T(T_query_points);
   const float inverse = 1.0F / voxel_size;
   std::vector<VoxelKey> keys(points.size());
-  parallel_for(points.size(), 4096,
-               [&](std::size_t i) { keys[i] = voxel_key(voxel_cell(T * points[i], inverse)); });
+  parallel_for(points.size(), 4096, [&](std::size_t i) {
+    const Eigen::Vector3f moved = T * points[i];
+    keys[i] = has_voxel(moved) ? voxel_key(voxel_of(moved, inverse)) : kNoKey;
+  });
   return keys;
 }
 
@@ -20,13 +25,13 @@ std::vector<VoxelKey> keys_of(const Points& points, const Pose& T_query_points, 
 
 double volumetric_overlap(const Points& reference, const VoxelLevel& query,
                           const Pose& T_query_reference) {
-  VoxelIndex occupied(reference.size() / 4);
+  VoxelTable occupied(reference.size() / 4);
   std::size_t shared = 0;
   for (const VoxelKey key : keys_of(reference, T_query_reference, query.voxel_size)) {
-    if (key == kNoVoxel) continue;
+    if (key == kNoKey) continue;
     const std::size_t before = occupied.size();
-    occupied.insert(key);
-    if (occupied.size() > before && query.index.find(key) >= 0) ++shared;
+    occupied.find_or_insert(key, 0);
+    if (occupied.size() > before && query.index.find(key) != VoxelTable::kNone) ++shared;
   }
   const std::size_t smaller = std::min(occupied.size(), query.index.size());
   return smaller == 0 ? 0.0 : static_cast<double>(shared) / static_cast<double>(smaller);
@@ -36,9 +41,9 @@ double volumetric_overlap(const Points& reference, const Points& query,
                           const Pose& T_query_reference, double voxel_size) {
   VoxelLevel level;
   level.voxel_size = static_cast<float>(voxel_size);
-  level.index = VoxelIndex(query.size() / 4);
+  level.index = VoxelTable(query.size() / 4);
   for (const VoxelKey key : keys_of(query, Pose(), level.voxel_size)) {
-    if (key != kNoVoxel) level.index.insert(key);
+    if (key != kNoKey) level.index.find_or_insert(key, 0);
   }
   return volumetric_overlap(reference, level, T_query_reference);
 }

@@ -5,8 +5,9 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 
+#include "frontend/core/files.hpp"
 #include "frontend/core/parallel.hpp"
 
 namespace groundloop {
@@ -18,6 +19,7 @@ constexpr std::size_t kBlock = 512;
 struct System {
   Matrix6d hessian = Matrix6d::Zero();  // lower triangle
   Vector6d gradient = Vector6d::Zero();
+  Matrix6d normal_noise = Matrix6d::Zero();  // what errors of the normals add to the Hessian
   double weighted_squares = 0.0;
   double weights = 0.0;
   double inlier_squares = 0.0;
@@ -27,6 +29,7 @@ struct System {
   System& operator+=(const System& o) {
     hessian += o.hessian;
     gradient += o.gradient;
+    normal_noise += o.normal_noise;
     weighted_squares += o.weighted_squares;
     weights += o.weights;
     inlier_squares += o.inlier_squares;
@@ -37,21 +40,20 @@ struct System {
 };
 
 // The nearest cell mean among the eight cells around `point`: complete within half a cell.
-int nearest_cell(const VoxelLevel& level, const Eigen::Vector3f& point) {
-  const float inverse = 1.0F / level.voxel_size;
+std::uint32_t nearest_cell(const VoxelLevel& level, const Eigen::Vector3f& point) {
+  if (!has_voxel(point)) return VoxelTable::kNone;
   const Eigen::Vector3i corner =
-      voxel_cell(point - Eigen::Vector3f::Constant(0.5F * level.voxel_size), inverse);
-  int best = -1;
+      voxel_of(point - Eigen::Vector3f::Constant(0.5F * level.voxel_size), 1.0F / level.voxel_size);
+  std::uint32_t best = VoxelTable::kNone;
   float best_distance = level.voxel_size * level.voxel_size;
   for (int i = 0; i < 8; ++i) {
-    const VoxelKey key = voxel_key(corner + Eigen::Vector3i(i & 1, (i >> 1) & 1, i >> 2));
-    if (key == kNoVoxel) continue;
-    const int number = level.index.find(key);
-    if (number < 0) continue;
-    const float distance = (level.means[static_cast<std::size_t>(number)] - point).squaredNorm();
+    const std::uint32_t cell =
+        level.index.find(voxel_key(corner + Eigen::Vector3i(i & 1, (i >> 1) & 1, i >> 2)));
+    if (cell == VoxelTable::kNone) continue;
+    const float distance = (level.means[cell] - point).squaredNorm();
     if (distance < best_distance) {
       best_distance = distance;
-      best = number;
+      best = cell;
     }
   }
   return best;
@@ -59,7 +61,8 @@ int nearest_cell(const VoxelLevel& level, const Eigen::Vector3f& point) {
 
 // Linearises over every `stride`-th source cell.
 System linearise(const VoxelLevel& target, const std::vector<Eigen::Vector3f>& source,
-                 std::size_t stride, const Pose& T_target_source, float kernel) {
+                 std::size_t stride, const Pose& T_target_source, float kernel,
+                 bool for_information) {
   const PoseF T(T_target_source);
   const Eigen::Matrix3f R_source_target = T.rotation.transpose();
   const float kernel2 = kernel * kernel;
@@ -69,9 +72,8 @@ System linearise(const VoxelLevel& target, const std::vector<Eigen::Vector3f>& s
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f& p = source[i * stride];
       const Eigen::Vector3f moved = T * p;
-      const int cell = nearest_cell(target, moved);
-      if (cell < 0) continue;
-      const auto c = static_cast<std::size_t>(cell);
+      const std::uint32_t c = nearest_cell(target, moved);
+      if (c == VoxelTable::kNone) continue;
       const Eigen::Vector3f& normal = target.normals[c];
       if (normal.isZero(0.0F)) continue;
       const float residual = normal.dot(moved - target.means[c]);
@@ -84,6 +86,13 @@ System linearise(const VoxelLevel& target, const std::vector<Eigen::Vector3f>& s
       Vector6d J;
       J << m.cast<double>(), p.cross(m).cast<double>();
       system.hessian.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
+      if (for_information) {
+        // Errors of the normals look like knowledge of the directions along the surface.
+        const double noise = weight * target.normal_variances[c];
+        Eigen::Matrix<double, 6, 3> A;
+        A << Eigen::Matrix3d::Identity(), skew(p.cast<double>());
+        system.normal_noise += noise * (A * A.transpose() - J * J.transpose());
+      }
       system.gradient += weight * residual * J;
       system.weighted_squares += weight * residual2;
       system.weights += weight;
@@ -97,13 +106,18 @@ System linearise(const VoxelLevel& target, const std::vector<Eigen::Vector3f>& s
   });
 }
 
-// A step that leaves directions alone which the surfaces do not hold.
-Vector6d solve(const System& system) {
-  Matrix6d h = system.hessian.selfadjointView<Eigen::Lower>();
-  // In metres at a lever of 10 m, so that one damping serves both halves.
+// Rotations in metres at a lever of 10 m, so that both halves of a twist compare.
+Vector6d lever_scale() {
   constexpr double kLever = 10.0;
   Vector6d scale;
   scale << 1.0, 1.0, 1.0, 1.0 / kLever, 1.0 / kLever, 1.0 / kLever;
+  return scale;
+}
+
+// A step that leaves directions alone which the surfaces do not hold.
+Vector6d solve(const System& system) {
+  Matrix6d h = system.hessian.selfadjointView<Eigen::Lower>();
+  const Vector6d scale = lever_scale();
   h = scale.asDiagonal() * h * scale.asDiagonal();
   h.diagonal().array() += 1e-6 * h.trace();
   const Vector6d step = h.ldlt().solve(scale.cwiseProduct(system.gradient));
@@ -111,6 +125,17 @@ Vector6d solve(const System& system) {
 }
 
 double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+
+// A symmetric matrix without its negative eigenvalues, in metres at a lever of 10 m.
+Matrix6d positive_part(const Matrix6d& matrix) {
+  const Vector6d scale = lever_scale();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scale.asDiagonal() * matrix *
+                                                       scale.asDiagonal());
+  const Matrix6d scaled = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                          solver.eigenvectors().transpose();
+  const Vector6d inverse = scale.cwiseInverse();
+  return inverse.asDiagonal() * scaled * inverse.asDiagonal();
+}
 
 // Covariance = residual scatter through the Hessian, with as many independent residuals as there
 // are groups of correlated ones, plus what no number of points removes: a floor at the overlap's
@@ -127,8 +152,9 @@ Matrix6d scaled_information(const System& system, const Pose& T_target_source,
   Pose T_source_centre;
   T_source_centre.translation = centre;
   const Matrix6d ad = adjoint(T_source_centre);
+  const Matrix6d known = hessian - system.normal_noise;
   const Matrix6d information =
-      ad.transpose() * hessian * ad / (variance * options.correlated_points);
+      positive_part(ad.transpose() * known * ad) / (variance * options.correlated_points);
 
   const double way = centre.norm() + (T_target_source * centre).norm();
   const double floor_t = options.translation_floor * options.translation_floor +
@@ -162,30 +188,12 @@ class Refinement {
              const RegistrationOptions& options)
       : target_(target), source_(source), options_(options) {}
 
-  [[nodiscard]] System linearise_at(std::size_t level, const Pose& T_target_source) const {
+  [[nodiscard]] System linearise_at(std::size_t level, const Pose& T_target_source,
+                                    bool for_information = false) const {
     const auto& points = source_.levels()[level].means;
     const VoxelLevel& surface = target_.levels()[level];
     return linearise(surface, points, stride_of(points.size()), T_target_source,
-                     static_cast<float>(options_.kernel) * surface.voxel_size);
-  }
-
-  // Finest cells of the source that lie in cells of about 2 m where the target has points too.
-  [[nodiscard]] std::size_t count_shared(const Pose& T_target_source) const {
-    const auto& points = source_.finest().means;
-    const VoxelLevel& coarse =
-        target_.levels()[std::min<std::size_t>(2, target_.levels().size() - 1)];
-    const float inverse = 1.0F / coarse.voxel_size;
-    const PoseF T(T_target_source);
-    const std::size_t stride = stride_of(points.size());
-    const std::size_t n = (points.size() + stride - 1) / stride;
-    return ordered_sum(n, kBlock, std::size_t{0}, [&](std::size_t begin, std::size_t end) {
-      std::size_t count = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const VoxelKey key = voxel_key(voxel_cell(T * points[i * stride], inverse));
-        if (key != kNoVoxel && coarse.index.find(key) >= 0) ++count;
-      }
-      return count;
-    });
+                     static_cast<float>(options_.kernel) * surface.voxel_size, for_information);
   }
 
   [[nodiscard]] LevelResult iterate(std::size_t level, const Pose& T_target_source) const {
@@ -241,10 +249,42 @@ Pose coarse_pose(const Refinement& refinement, const Pose& T_initial, std::size_
   return best;
 }
 
+std::string failure_of(const RegistrationResult& result, const Pose& T_initial, bool settled,
+                       const RegistrationOptions& options) {
+  const Pose moved = T_initial.inverse() * result.T_target_source;
+  const double turned = degrees(rotation_angle(moved.rotation));
+  if (result.inliers < static_cast<std::size_t>(options.min_inliers)) {
+    return std::to_string(result.inliers) + " cells on surfaces of the other map, at least " +
+           std::to_string(options.min_inliers) + " are needed";
+  }
+  if (moved.translation.norm() > options.max_translation || turned > options.max_rotation_deg) {
+    return "ended " + to_text(std::round(moved.translation.norm() * 100.0) / 100.0) + " m and " +
+           to_text(std::round(turned * 100.0) / 100.0) + " degrees from its start";
+  }
+  if (!settled) return "steps did not become small";
+  return {};
+}
+
+// The principal direction of the normals within 60 degrees of z, turned upward; z without any.
+Eigen::Vector3f prevailing_normal(const VoxelLevel& level) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3f& normal : level.normals) {
+    if (std::abs(normal.z()) < 0.5F) continue;
+    const Eigen::Vector3d n = normal.cast<double>();
+    sum += n * n.transpose();
+  }
+  if (sum.isZero(0.0)) return Eigen::Vector3f::UnitZ();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum);
+  const Eigen::Vector3f up = solver.eigenvectors().col(2).cast<float>();
+  return up.z() < 0.0F ? Eigen::Vector3f(-up) : up;
+}
+
 }  // namespace
 
 RegistrationTarget::RegistrationTarget(const Points& points, const RegistrationOptions& options)
-    : pyramid_(points, options.voxel_size, options.levels, true) {}
+    : pyramid_(points, options.voxel_size, options.levels, true),
+      up_(prevailing_normal(pyramid_.finest())),
+      columns_(points, Pose(), up_) {}
 
 RegistrationResult register_points(const RegistrationTarget& target, const Points& source,
                                    const Pose& T_target_source_initial,
@@ -267,18 +307,16 @@ RegistrationResult register_points(const RegistrationTarget& target, const Point
     result.iterations += fine.iterations;
     settled = fine.settled;
   }
-  const System system = refinement.linearise_at(0, result.T_target_source);
-  const std::size_t shared = refinement.count_shared(result.T_target_source);
+  const System system = refinement.linearise_at(0, result.T_target_source, true);
   result.inliers = system.inliers;
-  if (system.inliers == 0) return result;
-  result.inlier_share =
-      static_cast<double>(system.inliers) / static_cast<double>(std::max<std::size_t>(1, shared));
+  if (system.inliers == 0) {
+    result.failure = "no cell of one map lies on a surface of the other";
+    return result;
+  }
   result.rmse = std::sqrt(system.inlier_squares / static_cast<double>(system.inliers));
   result.information = scaled_information(system, result.T_target_source, options);
-  const Pose moved = T_target_source_initial.inverse() * result.T_target_source;
-  result.converged = settled && static_cast<int>(system.inliers) >= options.min_inliers &&
-                     moved.translation.norm() <= options.max_translation &&
-                     degrees(rotation_angle(moved.rotation)) <= options.max_rotation_deg;
+  result.failure = failure_of(result, T_target_source_initial, settled, options);
+  result.converged = result.failure.empty();
   return result;
 }
 

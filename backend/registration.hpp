@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
+#include "backend/column_agreement.hpp"
 #include "backend/voxel_pyramid.hpp"
 #include "frontend/core/options.hpp"
 #include "frontend/core/pose.hpp"
@@ -68,9 +70,14 @@ class RegistrationTarget {
  public:
   RegistrationTarget(const Points& points, const RegistrationOptions& options);
   [[nodiscard]] const VoxelPyramid& pyramid() const { return pyramid_; }
+  /// Unit vector in the map's frame: the prevailing normal of the surfaces within 60 degrees of z.
+  [[nodiscard]] const Eigen::Vector3f& up() const { return up_; }
+  [[nodiscard]] const ColumnGrid& columns() const { return columns_; }
 
  private:
   VoxelPyramid pyramid_;
+  Eigen::Vector3f up_;
+  ColumnGrid columns_;
 };
 
 struct RegistrationResult {
@@ -78,11 +85,11 @@ struct RegistrationResult {
   /// Inverse covariance of the error xi of T_true = T_target_source * exp_se3(xi), order
   /// (translation, rotation): weak where the surfaces leave a direction free.
   Matrix6d information = Matrix6d::Zero();
-  double rmse = 0.0;          ///< of the inliers' distances to the planes, m
-  std::size_t inliers = 0;    ///< source cells on a surface of the target
-  double inlier_share = 0.0;  ///< inliers over the source cells where the target has points near
-  int iterations = 0;         ///< of all levels
+  double rmse = 0.0;        ///< of the inliers' distances to the planes, m
+  std::size_t inliers = 0;  ///< source cells on a surface of the target
+  int iterations = 0;       ///< of all levels
   bool converged = false;
+  std::string failure;  ///< why not converged, one sentence
 };
 
 /// `source` and `target` in metres, each in its own frame. Never throws for bad geometry: the

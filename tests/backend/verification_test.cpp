@@ -1,0 +1,130 @@
+#include "backend/verification.hpp"
+
+#include <gtest/gtest.h>
+
+#include "backend/overlap.hpp"
+#include "tests/support/street_scene.hpp"
+
+namespace groundloop {
+namespace {
+
+using testing::StreetScene;
+
+Pose shifted(double x, double y, double z) {
+  Pose pose;
+  pose.translation = {x, y, z};
+  return pose;
+}
+
+// One point in the middle of each voxel of an n x n x n cube.
+Points cube(int n) {
+  Points points;
+  for (int i = 0; i < n * n * n; ++i) {
+    points.emplace_back(0.25F + 0.5F * static_cast<float>(i % n),
+                        0.25F + 0.5F * static_cast<float>(i / n % n),
+                        0.25F + 0.5F * static_cast<float>(i / n / n));
+  }
+  return points;
+}
+
+TEST(VolumetricOverlap, IsTheSharedShareOfTheSmallerMap) {
+  const Points big = cube(10);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(big, big, Pose()), 1.0);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(big, big, shifted(2.5, 0, 0)), 0.5);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(big, big, shifted(100, 0, 0)), 0.0);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(cube(4), big, Pose()), 1.0);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(big, cube(4), Pose()), 1.0);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(big, cube(4), shifted(1.0, 0, 0)), 0.5);
+}
+
+TEST(VolumetricOverlap, CountsAVoxelOnceAndEmptyMapsAsNone) {
+  Points twice = cube(6);
+  twice.insert(twice.end(), twice.begin(), twice.end());
+  EXPECT_DOUBLE_EQ(volumetric_overlap(twice, cube(6), shifted(1.5, 0, 0)), 0.5);
+  EXPECT_DOUBLE_EQ(volumetric_overlap({}, cube(6), Pose()), 0.0);
+  EXPECT_DOUBLE_EQ(volumetric_overlap(cube(6), Points(), Pose()), 0.0);
+}
+
+// Columns of 1 m: `tall(i, j)` decides whether points stand 3 m high.
+template <typename F>
+ColumnGrid grid(int n, F&& tall) {
+  Points points;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      for (int k = 0; k < 4; ++k) {
+        const float z = tall(i, j) ? static_cast<float>(k) : 0.05F * static_cast<float>(k);
+        points.emplace_back(0.5F + static_cast<float>(i), 0.5F + static_cast<float>(j), z);
+      }
+    }
+  }
+  return {points, Pose(), Eigen::Vector3f::UnitZ()};
+}
+
+TEST(ColumnAgreement, IsThePhiCoefficient) {
+  const ColumnGrid rows = grid(20, [](int i, int) { return i % 2 == 0; });
+  const ColumnGrid columns = grid(20, [](int, int j) { return j % 2 == 0; });
+  const ColumnGrid opposite = grid(20, [](int i, int) { return i % 2 == 1; });
+  EXPECT_EQ(rows.agreement(rows).shared, 400U);
+  EXPECT_DOUBLE_EQ(rows.agreement(rows).correlation, 1.0);
+  EXPECT_DOUBLE_EQ(rows.agreement(columns).correlation, 0.0);
+  EXPECT_DOUBLE_EQ(rows.agreement(opposite).correlation, -1.0);
+}
+
+TEST(ColumnAgreement, IsUndefinedWithoutBothKinds) {
+  const ColumnGrid rows = grid(20, [](int i, int) { return i % 2 == 0; });
+  const ColumnGrid field = grid(20, [](int, int) { return false; });
+  EXPECT_FALSE(rows.agreement(field).defined);
+  EXPECT_FALSE(field.agreement(field).defined);
+}
+
+class Verification : public ::testing::Test {
+ protected:
+  RegistrationOptions registration_;
+  VerificationOptions options_;
+  StreetScene street_{1};
+  Points query_ = street_.sample(60000, 0.02, 1);
+  RegistrationTarget target_{query_, registration_};
+};
+
+TEST_F(Verification, AcceptsTheSamePlace) {
+  const Points reference = street_.sample(60000, 0.02, 2);
+  const ClosureVerification result =
+      verify_closure(target_, query_, reference, shifted(1.0, 0.5, 0.2), options_, registration_);
+  EXPECT_EQ(result.status, ClosureStatus::accepted) << result.reason;
+  EXPECT_LT(result.T_query_reference.translation.norm(), 0.03);
+  EXPECT_NEAR(result.overlap, volumetric_overlap(reference, query_, result.T_query_reference),
+              1e-12);
+  EXPECT_GT(result.agreement, 0.8);
+  EXPECT_TRUE(result.reason.empty());
+}
+
+TEST_F(Verification, RejectsAnotherStreetOfTheSameKind) {
+  for (const std::uint32_t seed : {2U, 3U, 4U, 5U}) {
+    const ClosureVerification result = verify_closure(
+        target_, query_, StreetScene(seed).sample(60000, 0.02, 2), Pose(), options_, registration_);
+    EXPECT_NE(result.status, ClosureStatus::accepted)
+        << "overlap " << result.overlap << " agreement " << result.agreement;
+    EXPECT_FALSE(result.reason.empty());
+  }
+}
+
+TEST_F(Verification, RejectsAPlaceSideways) {
+  for (const double shift : {-20.0, -10.0, 10.0, 20.0}) {
+    const ClosureVerification result =
+        verify_closure(target_, query_, street_.sample(60000, 0.02, 2), shifted(shift, 0, 0),
+                       options_, registration_);
+    EXPECT_TRUE(result.status != ClosureStatus::accepted ||
+                result.T_query_reference.translation.norm() < 0.1)
+        << shift;
+  }
+}
+
+TEST_F(Verification, TellsDivergence) {
+  const ClosureVerification result =
+      verify_closure(target_, query_, {}, Pose(), options_, registration_);
+  EXPECT_EQ(result.status, ClosureStatus::icp_diverged);
+  EXPECT_STREQ(to_string(result.status), "icp_diverged");
+}
+
+}  // namespace
+}  // namespace groundloop
