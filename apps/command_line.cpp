@@ -45,6 +45,7 @@ int run_command_line(int argc, const char* const* argv) {
   app.require_subcommand(1);
   app.fallthrough();
   add_evaluate_command(app, context);
+  add_inspect_command(app, context);
   add_optimize_command(app, context);
   // Subcommands run in their callbacks, after this.
   app.parse_complete_callback([&] {

@@ -24,6 +24,7 @@ void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);
 /// usage), 130 (interrupted).
 int run_command_line(int argc, const char* const* argv);
 
+void add_inspect_command(CLI::App& app, Context& context);
 void add_optimize_command(CLI::App& app, Context& context);
 
 }  // namespace groundloop::apps

@@ -28,7 +28,9 @@ struct RecordingInfo {
 /// Choices a user can make about how a recording is read.
 struct RecordingOptions {
   std::string format;  ///< empty: recognised
-  std::string topic;   ///< of a bag with several point-cloud topics
+  std::string topic;   ///< of a bag with several point-cloud topics, or sensor of a dataset
+  /// Further bags of the same recording, read together in time order.
+  std::vector<std::string> more_paths;
   std::size_t first = 0;
   std::size_t count = static_cast<std::size_t>(-1);
   /// "auto" corrects KITTI's elevation error where the scans are of that sensor, "on" always, "off"

@@ -171,7 +171,7 @@ bool is_scan_folder(const fs::path& folder) {
                      [&](const char* extension) { return !list_files(folder, extension).empty(); });
 }
 
-std::unique_ptr<Recording> open_folder(const fs::path& folder) {
+std::unique_ptr<Recording> open_folder(const fs::path& folder, const RecordingOptions&) {
   return std::make_unique<FolderRecording>(folder);
 }
 

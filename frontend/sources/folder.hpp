@@ -14,6 +14,7 @@ namespace groundloop::sources {
 
 /// A .bin file has no header: float32 x y z intensity, unless every file's length says otherwise
 /// (20 or 24 bytes a record).
-[[nodiscard]] std::unique_ptr<Recording> open_folder(const std::filesystem::path& folder);
+[[nodiscard]] std::unique_ptr<Recording> open_folder(const std::filesystem::path& folder,
+                                                     const RecordingOptions& options = {});
 
 }  // namespace groundloop::sources

@@ -11,7 +11,7 @@
 namespace groundloop::sources {
 namespace fs = std::filesystem;
 
-NumberTable read_numbers(const fs::path& file) {
+NumberTable read_numbers(const fs::path& file, bool nan_allowed) {
   const std::string text = read_text(file);
   NumberTable table;
   std::string_view rest = text;
@@ -21,9 +21,12 @@ NumberTable read_numbers(const fs::path& file) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     if (words.empty() || words[0].front() == '#') continue;
     std::vector<double> row;
+    bool has_nan = false;
     for (const std::string_view word : words) {
       double value = 0.0;
-      if (!parse_double(word, value)) {
+      if (nan_allowed && (word == "nan" || word == "NaN" || word == "-nan")) {
+        has_nan = true;
+      } else if (!parse_double(word, value)) {
         if (table.rows.empty() && row.empty()) break;  // a heading
         throw InputError(file.string() + ":" + std::to_string(number) + ": '" + std::string(word) +
                          "' is no finite number");
@@ -31,6 +34,10 @@ NumberTable read_numbers(const fs::path& file) {
       row.push_back(value);
     }
     if (row.empty()) continue;
+    if (has_nan) {
+      ++table.without_numbers;
+      continue;
+    }
     if (table.rows.empty()) table.columns = row.size();
     if (row.size() != table.columns) {
       throw InputError(file.string() + ":" + std::to_string(number) + ": " +

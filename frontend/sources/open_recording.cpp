@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <functional>
 
 #include "frontend/core/error.hpp"
 #include "frontend/recording.hpp"
 #include "frontend/simulation/simulation.hpp"
+#include "frontend/sources/datasets.hpp"
 #include "frontend/sources/elevation_correction.hpp"
 #include "frontend/sources/folder.hpp"
 #include "frontend/sources/kitti.hpp"
@@ -17,26 +17,34 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Opener = std::unique_ptr<Recording> (*)(const fs::path&, const RecordingOptions&);
+using Options = RecordingOptions;
 
 struct Format {
   const char* name;
   const char* looked_for;               ///< what a path must hold, for messages
   bool (*recognises)(const fs::path&);  ///< of a path that exists
-  Opener open;
+  std::unique_ptr<Recording> (*open)(const fs::path&, const Options&);
+  bool takes_several = false;  ///< reads options.more_paths
 };
+
+bool is_kitti(const fs::path& path) { return !sources::find_kitti_sequence(path).empty(); }
+
+std::unique_ptr<Recording> open_kitti(const fs::path& path, const Options&) {
+  return sources::open_kitti(sources::find_kitti_sequence(path));
+}
 
 // In order of recognition: the more particular first.
 const std::array kFormats = {
-    Format{"kitti", "a KITTI sequence (velodyne/*.bin or sequences/NN/velodyne/*.bin)",
-           [](const fs::path& path) { return !sources::find_kitti_sequence(path).empty(); },
-           [](const fs::path& path, const RecordingOptions&) {
-             return sources::open_kitti(sources::find_kitti_sequence(path));
-           }},
-    Format{
-        "folder", "a folder of *.bin, *.pcd or *.ply scans",
-        [](const fs::path& path) { return sources::is_scan_folder(path); },
-        [](const fs::path& path, const RecordingOptions&) { return sources::open_folder(path); }},
+    Format{"kitti", "a KITTI sequence (velodyne/*.bin or sequences/NN/velodyne/*.bin)", is_kitti,
+           open_kitti},
+    Format{"kitti_raw", "a KITTI raw drive (velodyne_points/data/*.bin)", sources::is_kitti_raw,
+           sources::open_kitti_raw},
+    Format{"helipr", "HeLiPR (LiDAR/SENSOR/*.bin)", sources::is_helipr, sources::open_helipr},
+    Format{"mulran", "MulRan (sensor_data/Ouster/*.bin)", sources::is_mulran, sources::open_mulran},
+    Format{"nclt", "NCLT (velodyne_sync/*.bin or velodyne_hits.bin)", sources::is_nclt,
+           sources::open_nclt},
+    Format{"folder", "a folder of *.bin, *.pcd or *.ply scans", sources::is_scan_folder,
+           sources::open_folder},
 };
 
 std::string names_of_formats() {
@@ -99,7 +107,12 @@ std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOpt
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such file or folder; check the path");
   }
-  return choose_format(path, options.format).open(path, options);
+  const Format& format = choose_format(path, options.format);
+  if (!options.more_paths.empty() && !format.takes_several) {
+    throw InputError(options.more_paths.front() + ": a recording of format " + format.name +
+                     " is one path; only bags may be several");
+  }
+  return format.open(path, options);
 }
 
 }  // namespace
