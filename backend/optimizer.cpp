@@ -6,7 +6,9 @@
 #include <spdlog/spdlog.h>
 
 #include "backend/chordal.hpp"
+#include "backend/gauge.hpp"
 #include "backend/graph_problem.hpp"
+#include "backend/robust.hpp"
 
 namespace groundloop {
 namespace {
@@ -25,25 +27,11 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// The vertices to hold: those marked, and the first of each component that has none.
-std::vector<char> gauge(const PoseGraph& graph, const std::vector<int>& component) {
-  std::vector<char> fixed(graph.vertices.size());
-  std::vector<char> anchored(graph.vertices.size(), 0);
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    fixed[i] = graph.vertices[i].fixed;
-    if (fixed[i]) anchored[component[i]] = 1;
-  }
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (!std::exchange(anchored[component[i]], 1)) fixed[i] = 1;
-  }
-  return fixed;
-}
-
 // Moves the graph to its start; returns the start's name.
 std::string initialise(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                       const std::vector<char>& fixed, const OptimizerOptions& options,
-                       double cost_of_guess) {
+                       const std::vector<char>& fixed, const OptimizerOptions& options) {
   if (options.initialisation == "guess") return "guess";
+  const double cost_of_guess = cost(graph);
   const std::vector<GraphVertex> guess = graph.vertices;
   if (!initialise_chordal(graph, ends, fixed)) {
     spdlog::warn("chordal initialisation: the linear system is singular; starting from the guess");
@@ -63,12 +51,21 @@ OptimizationSummary optimize(PoseGraph& graph, const OptimizerOptions& options,
   Stopwatch phase;
   OptimizationSummary summary;
   const std::vector<EdgeEnds> ends = resolve_edges(graph);
+  summary.cost_before = cost(graph);
+  if (options.robust) {
+    const RobustReport report = judge_closures(graph, ends, {options.inlier_probability}, progress);
+    summary.robust_steps = report.steps;
+    if (report.rejected > report.accepted) {
+      spdlog::warn("robust solving rejected {} of {} closures", report.rejected,
+                   report.rejected + report.accepted);
+    }
+    summary.seconds.robust = phase.lap();
+  }
   const std::vector<int> component = connected_components(graph, ends);
   summary.components =
       component.empty() ? 0 : 1 + *std::max_element(component.begin(), component.end());
   const std::vector<char> fixed = gauge(graph, component);
-  summary.cost_before = cost(graph);
-  summary.initialisation = initialise(graph, ends, fixed, options, summary.cost_before);
+  summary.initialisation = initialise(graph, ends, fixed, options);
   summary.seconds.initialisation = phase.lap();
 
   GraphProblem problem(graph, ends, fixed);

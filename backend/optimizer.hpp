@@ -48,6 +48,7 @@ struct OptimizationSummary {
   double cost_after = 0;   ///< at the solution, each edge with its weight, rejected ones left out
   double chi2_g2o = 0;     ///< at the solution, over the same edges
   int iterations = 0;      ///< of the last solve
+  int robust_steps = 0;    ///< of graduated non-convexity; 0 where not robust
   std::string initialisation;  ///< "guess" or "chordal", as used
   std::string termination;     ///< why the last solve ended
   bool converged = false;

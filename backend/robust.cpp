@@ -1,0 +1,167 @@
+#include "backend/robust.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "backend/chain_condensation.hpp"
+#include "backend/gauge.hpp"
+#include "backend/graph_problem.hpp"
+
+namespace groundloop {
+namespace {
+
+constexpr double kStep = 1.4;          // growth of mu, as Yang et al. recommend
+constexpr int kMaxSteps = 150;         // mu from 1e-11 to 1e11
+constexpr int kIterationsOfAStep = 3;  // the next step moves the weights anyway
+constexpr double kToleranceOfAStep = 1e-3;
+
+// Poses by odometry alone, from the fixed vertices and, in parts that have none, from the first.
+// False closures cannot reach these, whereas a solution with all closures is bent beyond repair by
+// a few tens of percent of false ones.
+void place_by_odometry(PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
+  const std::size_t n = graph.vertices.size();
+  std::vector<std::vector<int>> edges_at(n);
+  PoseGraph odometry = graph;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    GraphEdge& edge = odometry.edges[k];
+    edge.rejected = edge.rejected || edge.kind == EdgeKind::closure;
+    if (edge.rejected) continue;
+    edges_at[ends[k].from].push_back(static_cast<int>(k));
+    edges_at[ends[k].to].push_back(static_cast<int>(k));
+  }
+  std::vector<char> placed = gauge(odometry, connected_components(odometry, ends));
+  std::vector<int> queue;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (placed[i]) queue.push_back(static_cast<int>(i));
+  }
+  for (std::size_t head = 0; head < queue.size(); ++head) {
+    const int i = queue[head];
+    for (const int k : edges_at[i]) {
+      const bool forward = ends[k].from == i;
+      const int j = forward ? ends[k].to : ends[k].from;
+      if (placed[j]) continue;
+      const Pose& T_from_to = graph.edges[k].T_from_to;
+      graph.vertices[j].pose = graph.vertices[i].pose * (forward ? T_from_to : T_from_to.inverse());
+      placed[j] = 1;
+      queue.push_back(j);
+    }
+  }
+}
+
+// Works on the weights of the graph's closures; ends with each 0 or 1.
+class GraduatedNonConvexity {
+ public:
+  GraduatedNonConvexity(PoseGraph& graph, const RobustOptions& options, const Progress& progress)
+      : graph_(graph),
+        ends_(resolve_edges(graph)),
+        progress_(progress),
+        bound_(chi_square_quantile_6(options.inlier_probability)) {
+    for (std::size_t k = 0; k < graph.edges.size(); ++k) {
+      if (graph.edges[k].kind == EdgeKind::closure) closures_.push_back(k);
+    }
+  }
+
+  // Returns the number of steps.
+  int run() {
+    if (closures_.empty()) return 0;
+    place_by_odometry(graph_, ends_);
+    std::vector<double> squared = squared_residuals();
+    const double largest = *std::max_element(squared.begin(), squared.end());
+    double mu = bound_ / std::max(2.0 * largest - bound_, bound_);
+    int step = 0;
+    while (step < kMaxSteps) {
+      const bool binary = set_weights(squared, mu);
+      solve();
+      squared = squared_residuals();
+      ++step;
+      if (progress_) progress_("judging closures", static_cast<std::size_t>(step), 0);
+      if (binary && verdicts_hold(squared)) break;
+      mu *= kStep;
+    }
+    for (const std::size_t k : closures_) {
+      graph_.edges[k].weight = graph_.edges[k].weight < 0.5 ? 0.0 : 1.0;
+    }
+    return step;
+  }
+
+ private:
+  // Closures of weight 0 are not part of the problem, which would be as dense as they are many; a
+  // part of the graph that only they joined is held where it is.
+  void solve() {
+    for (const std::size_t k : closures_) graph_.edges[k].rejected = graph_.edges[k].weight == 0.0;
+    GraphProblem problem(graph_, ends_, gauge(graph_, connected_components(graph_, ends_)));
+    problem.solve({kIterationsOfAStep, kToleranceOfAStep});
+  }
+
+  [[nodiscard]] std::vector<double> squared_residuals() const {
+    std::vector<double> squared;
+    squared.reserve(closures_.size());
+    for (const std::size_t k : closures_) {
+      const GraphEdge& edge = graph_.edges[k];
+      const Vector6d r = between_residual(graph_.vertices[ends_[k].from].pose,
+                                          graph_.vertices[ends_[k].to].pose, edge.T_from_to);
+      squared.push_back(r.dot(edge.information * r));
+    }
+    return squared;
+  }
+
+  // Weights of truncated least squares (eq. 14 of the paper); returns whether all are 0 or 1.
+  bool set_weights(const std::vector<double>& squared, double mu) {
+    bool binary = true;
+    for (std::size_t i = 0; i < closures_.size(); ++i) {
+      double weight = 0.0;
+      if (squared[i] <= mu / (mu + 1.0) * bound_) {
+        weight = 1.0;
+      } else if (squared[i] < (mu + 1.0) / mu * bound_) {
+        weight = std::clamp(std::sqrt(bound_ * mu * (mu + 1.0) / squared[i]) - mu, 0.0, 1.0);
+        binary = binary && (weight == 0.0 || weight == 1.0);
+      }
+      graph_.edges[closures_[i]].weight = weight;
+    }
+    return binary;
+  }
+
+  [[nodiscard]] bool verdicts_hold(const std::vector<double>& squared) const {
+    for (std::size_t i = 0; i < closures_.size(); ++i) {
+      if ((squared[i] <= bound_) != (graph_.edges[closures_[i]].weight == 1.0)) return false;
+    }
+    return true;
+  }
+
+  PoseGraph& graph_;
+  std::vector<EdgeEnds> ends_;
+  const Progress& progress_;
+  double bound_;
+  std::vector<std::size_t> closures_;
+};
+
+}  // namespace
+
+double chi_square_quantile_6(double probability) {
+  // For an even number of degrees of freedom the distribution is a finite sum of Poisson terms.
+  double low = 0.0;
+  double high = 200.0;
+  for (int i = 0; i < 100; ++i) {
+    const double half = 0.25 * (low + high);
+    const double below = 1.0 - std::exp(-half) * (1.0 + half + 0.5 * half * half);
+    (below < probability ? low : high) = 2.0 * half;
+  }
+  return 0.5 * (low + high);
+}
+
+RobustReport judge_closures(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
+                            const RobustOptions& options, const Progress& progress) {
+  CondensedGraph condensed = condense_chains(graph, ends);
+  RobustReport report;
+  report.steps = GraduatedNonConvexity(condensed.graph, options, progress).run();
+  for (std::size_t k = 0; k < condensed.graph.edges.size(); ++k) {
+    if (condensed.graph.edges[k].kind != EdgeKind::closure) continue;
+    GraphEdge& edge = graph.edges[condensed.edge_of[k]];
+    edge.weight = condensed.graph.edges[k].weight;
+    edge.rejected = edge.weight == 0.0;
+    ++(edge.rejected ? report.rejected : report.accepted);
+  }
+  return report;
+}
+
+}  // namespace groundloop
