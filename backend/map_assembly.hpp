@@ -1,0 +1,44 @@
+// The map of one or several sessions from local maps on disk and their optimised poses, one local
+// map in memory at a time. Points of a voxel become their mean, over all maps that see it: points
+// are sorted into tiles in a temporary file first, so that memory holds one tile, however long the
+// recording.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "backend/point_cloud_export.hpp"
+#include "frontend/core/options.hpp"
+#include "frontend/core/pose.hpp"
+#include "frontend/core/progress.hpp"
+
+namespace groundloop {
+
+struct MapAssemblyOptions {
+  double voxel_size = 0.1;
+  double tile_size = 50.0;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("voxel_size", self.voxel_size, Range{0.0, 100.0}, "m",
+          "one point a voxel, the mean; 0 keeps every point of the local maps");
+    field("tile_size", self.tile_size, Range{1.0, 10000.0}, "m",
+          "edge of the square that is in memory at a time");
+  }
+};
+
+/// A local map as a session keeps it.
+struct MapPiece {
+  std::filesystem::path file;  ///< written by write_pcd
+  Pose T_world_map;
+  std::uint16_t session = 0;
+};
+
+/// Writes the map to `writer` (finish() is the caller's) and returns its number of points. The
+/// order is that of the tiles, not of the maps. `folder` takes the temporary file.
+std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssemblyOptions& options,
+                           PointCloudWriter& writer, const std::filesystem::path& folder,
+                           const Progress& progress = {});
+
+}  // namespace groundloop
