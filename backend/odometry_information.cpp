@@ -1,5 +1,7 @@
 #include "backend/odometry_information.hpp"
 
+#include <algorithm>
+
 #include "frontend/core/error.hpp"
 
 namespace groundloop {
@@ -41,6 +43,33 @@ RelativePose compose_odometry(std::span<const Pose> T_world_scan, std::size_t fr
   // The product of the steps, without their rounding.
   chain.T_from_to = T_world_scan[from].inverse() * T_world_scan[to];
   return chain;
+}
+
+OdometryChain::OdometryChain(std::span<const Pose> T_world_scan,
+                             const OdometryInformationOptions& options) {
+  T_first_scan_.reserve(T_world_scan.size());
+  covariance_.reserve(T_world_scan.size());
+  for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
+    T_first_scan_.push_back(T_world_scan.front().inverse() * T_world_scan[i]);
+    if (i == 0) {
+      covariance_.push_back(Matrix6d::Zero());
+      continue;
+    }
+    const Pose step = T_world_scan[i - 1].inverse() * T_world_scan[i];
+    const Matrix6d carry = adjoint(T_first_scan_.back());
+    covariance_.push_back(covariance_.back() +
+                          carry * odometry_covariance(step, options) * carry.transpose());
+  }
+}
+
+RelativePose OdometryChain::between(std::size_t from, std::size_t to) const {
+  check(std::max(from, to) < T_first_scan_.size(), "OdometryChain: scan in range");
+  const Matrix6d carry = adjoint(T_first_scan_[to].inverse());
+  // Steps are independent: what lies between is the difference of the sums.
+  const Matrix6d difference = from <= to ? Matrix6d(covariance_[to] - covariance_[from])
+                                         : Matrix6d(covariance_[from] - covariance_[to]);
+  return {T_first_scan_[from].inverse() * T_first_scan_[to],
+          carry * difference * carry.transpose()};
 }
 
 }  // namespace groundloop

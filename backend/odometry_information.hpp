@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "backend/relative_pose.hpp"
 #include "frontend/core/options.hpp"
@@ -51,5 +52,17 @@ struct OdometryInformationOptions {
 [[nodiscard]] RelativePose compose_odometry(std::span<const Pose> T_world_scan, std::size_t from,
                                             std::size_t to,
                                             const OdometryInformationOptions& options);
+
+/// The same for any two scans in constant time, in either direction, from sums kept once.
+class OdometryChain {
+ public:
+  OdometryChain(std::span<const Pose> T_world_scan, const OdometryInformationOptions& options);
+  /// Pose of scan `to` in scan `from`; `from` may be greater than `to`.
+  [[nodiscard]] RelativePose between(std::size_t from, std::size_t to) const;
+
+ private:
+  std::vector<Pose> T_first_scan_;
+  std::vector<Matrix6d> covariance_;  // of scan i in the first, perturbed in the first's frame
+};
 
 }  // namespace groundloop

@@ -97,5 +97,25 @@ TEST(OdometryInformation, DoesNotDependOnHowTheWayIsCut) {
   EXPECT_LT((coarse - fine).norm(), 0.1 * fine.norm());
 }
 
+TEST(OdometryChain, AgreesWithComposition) {
+  std::vector<Pose> way;
+  for (int i = 0; i <= 400; ++i) {
+    const double angle = 0.01 * i;
+    way.emplace_back(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
+                     Eigen::Vector3d(1000 + i, 5 * std::sin(angle), 0.01 * i));
+  }
+  const OdometryChain chain(way, {});
+  for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>(0, 400), {250, 300}, {7, 8}}) {
+    const RelativePose expected = compose_odometry(way, from, to, {});
+    const RelativePose forward = chain.between(from, to);
+    const RelativePose backward = chain.between(to, from);
+    const double scale = expected.covariance.norm();
+    EXPECT_LT((forward.covariance - expected.covariance).norm(), 1e-6 * scale);
+    EXPECT_LT((backward.covariance - inverse(expected).covariance).norm(),
+              1e-6 * inverse(expected).covariance.norm());
+    EXPECT_LT(log_se3(backward.T_from_to * expected.T_from_to).norm(), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace groundloop
