@@ -44,9 +44,12 @@ int run_command_line(int argc, const char* const* argv) {
       ->check(CLI::Range(0, 1024));
   app.require_subcommand(1);
   app.fallthrough();
+  add_run_command(app, context);
+  add_demo_command(app, context);
   add_evaluate_command(app, context);
   add_inspect_command(app, context);
   add_optimize_command(app, context);
+  add_config_command(app, context);
   // Subcommands run in their callbacks, after this.
   app.parse_complete_callback([&] {
     set_up_logging(context);

@@ -16,6 +16,9 @@ struct Context {
   int threads = 0;  ///< 0: all cores
 };
 
+void add_run_command(CLI::App& app, Context& context);
+void add_demo_command(CLI::App& app, Context& context);
+void add_config_command(CLI::App& app, Context& context);
 /// The group `evaluate`, on which its subcommands hang.
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);

@@ -1,5 +1,7 @@
 #include "frontend/local_map_builder.hpp"
 
+#include "frontend/core/binary_io.hpp"
+
 namespace groundloop {
 
 LocalMapBuilder::LocalMapBuilder(const LocalMapOptions& options, int first_id)
@@ -17,8 +19,9 @@ std::optional<LocalMap> LocalMapBuilder::add(const Points& points, const Pose& T
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = T_map_scan * point;
     const auto fresh = static_cast<std::uint32_t>(blocks_.size());
-    const std::uint32_t index = table_.find_or_insert(voxel_key(voxel_of(p, inverse_size)), fresh);
-    if (index == fresh) blocks_.emplace_back();
+    const VoxelKey key = voxel_key(voxel_of(p, inverse_size));
+    const std::uint32_t index = table_.find_or_insert(key, fresh);
+    if (index == fresh) blocks_.emplace_back().key = key;
     Block& block = blocks_[index];
     if (block.count < limit) block.points[block.count++] = p;
   }
@@ -35,6 +38,28 @@ std::optional<LocalMap> LocalMapBuilder::add(const Points& points, const Pose& T
 std::optional<LocalMap> LocalMapBuilder::finish() {
   if (scan_ == first_scan_) return std::nullopt;
   return take();
+}
+
+void LocalMapBuilder::save(std::ostream& out) const {
+  put(out, id_);
+  put(out, scan_);
+  put(out, first_scan_);
+  put(out, T_world_map_);
+  put(out, last_position_);
+  put(out, path_);
+  put_all(out, blocks_);
+}
+
+void LocalMapBuilder::load(std::istream& in) {
+  get(in, id_);
+  get(in, scan_);
+  get(in, first_scan_);
+  get(in, T_world_map_);
+  get(in, last_position_);
+  get(in, path_);
+  get_all(in, blocks_);
+  table_.clear();
+  for (std::uint32_t i = 0; i < blocks_.size(); ++i) table_.find_or_insert(blocks_[i].key, i);
 }
 
 LocalMap LocalMapBuilder::take() {

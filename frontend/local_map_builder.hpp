@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
 #include <vector>
 
@@ -46,10 +47,15 @@ class LocalMapBuilder {
   /// The last, unfinished map; none where no scan was added since the last finished one.
   std::optional<LocalMap> finish();
 
+  /// Exact state for a resumable session.
+  void save(std::ostream& out) const;
+  void load(std::istream& in);
+
  private:
   static constexpr std::size_t kCapacity = 20;
   struct Block {
     std::array<Eigen::Vector3f, kCapacity> points;
+    VoxelKey key = 0;
     std::uint32_t count = 0;
   };
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "frontend/core/binary_io.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
 
@@ -17,6 +18,8 @@ namespace {
 constexpr std::size_t kRegistrationBlock = 256;
 // Voxels out of range are dropped once the sensor has moved this far since the last time.
 constexpr float kPruneDistance = 5.0F;
+// Update (m, rad) that ends the coarse registration: the fine one goes on from there.
+constexpr double kCoarseConvergence = 1e-2;
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
@@ -63,15 +66,6 @@ double sweep_middle(const Scan& scan) {
   return 0.5 * (static_cast<double>(*min) + static_cast<double>(*max));
 }
 
-template <typename T>
-void put(std::ostream& out, const T& value) {
-  out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-template <typename T>
-void get(std::istream& in, T& value) {
-  in.read(reinterpret_cast<char*>(&value), sizeof value);
-}
-
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options)
@@ -85,7 +79,7 @@ double Odometry::threshold() const {
 }
 
 Odometry::Registration Odometry::register_points(const Points& source, const Pose& guess,
-                                                 double sigma) const {
+                                                 double sigma, double convergence) const {
   if (map_.empty()) return {guess, 0};
   const auto max_distance = static_cast<float>(3.0 * sigma);
   const double plane_weight = options_.point_to_point ? 1.0 : options_.along_plane_weight;
@@ -111,7 +105,7 @@ Odometry::Registration Odometry::register_points(const Points& source, const Pos
     const Vector6d dx = full.ldlt().solve(-system.b);
     if (!dx.allFinite()) return {guess, iteration};
     pose = exp_se3(dx) * pose;
-    if (dx.norm() < options_.convergence) break;
+    if (dx.norm() < convergence) break;
   }
   return {pose, iteration};
 }
@@ -155,7 +149,12 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   const double trusted_step = scans_ == 0 ? 0.0 : std::clamp(step, 0.0, options_.max_gap);
   const Pose guess = T_world_middle_ * exp_se3(trusted_step * twist_);
   const double sigma = threshold();
-  const Registration registration = register_points(source, guess, sigma);
+  const Registration coarse =
+      register_points(source, guess, sigma, std::max(options_.convergence, kCoarseConvergence));
+  const Points fine_source = downsampler_(map_points, voxel);
+  const Registration registration =
+      register_points(fine_source, coarse.pose, std::min(sigma, options_.fine_threshold * voxel),
+                      options_.convergence);
 
   const Pose deviation = guess.inverse() * registration.pose;
   const double model_error =
@@ -188,8 +187,8 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     const PoseF T_scan_middle(T_middle_scan.inverse());
     for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
   }
-  result.registration_points = source.size();
-  result.iterations = registration.iterations;
+  result.registration_points = source.size() + fine_source.size();
+  result.iterations = coarse.iterations + registration.iterations;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -31,6 +31,7 @@ struct OdometryOptions {
   double max_gap = 1.0;
   bool point_to_point = false;
   double along_plane_weight = 0.05;
+  double fine_threshold = 0.2;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -55,6 +56,10 @@ struct OdometryOptions {
           "KISS-ICP's own residual; off, planes of the map are used where it has them");
     field("along_plane_weight", self.along_plane_weight, Range{0.0, 1.0}, "",
           "weight of a residual along a plane, against 1 across it");
+    field(
+        "fine_threshold", self.fine_threshold, Range{0.01, 10.0}, "voxel_size",
+        "kernel scale of the second registration, over denser points: the adaptive scale takes in "
+        "the error of the prediction, which a converged scan no longer has");
   }
 };
 
@@ -88,8 +93,8 @@ class Odometry {
     Pose pose;
     int iterations;
   };
-  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess,
-                                             double sigma) const;
+  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess, double sigma,
+                                             double convergence) const;
   [[nodiscard]] double threshold() const;
 
   OdometryOptions options_;

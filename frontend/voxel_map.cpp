@@ -6,7 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "frontend/core/error.hpp"
+#include "frontend/core/binary_io.hpp"
 
 namespace groundloop {
 
@@ -151,30 +151,13 @@ void VoxelMap::remove_beyond(const Eigen::Vector3f& center, float distance) {
 }
 
 void VoxelMap::save(std::ostream& out) const {
-  const std::uint64_t blocks = blocks_.size(), free_blocks = free_.size();
-  out.write(reinterpret_cast<const char*>(&blocks), sizeof blocks);
-  out.write(reinterpret_cast<const char*>(blocks_.data()),
-            static_cast<std::streamsize>(blocks * sizeof(Block)));
-  out.write(reinterpret_cast<const char*>(&free_blocks), sizeof free_blocks);
-  out.write(reinterpret_cast<const char*>(free_.data()),
-            static_cast<std::streamsize>(free_blocks * sizeof(std::uint32_t)));
+  put_all(out, blocks_);
+  put_all(out, free_);
 }
 
 void VoxelMap::load(std::istream& in) {
-  std::uint64_t blocks = 0, free_blocks = 0;
-  in.read(reinterpret_cast<char*>(&blocks), sizeof blocks);
-  if (!in || blocks > (1ULL << 28))
-    throw InputError("checkpoint: damaged odometry map; run again without --resume");
-  blocks_.resize(blocks);
-  in.read(reinterpret_cast<char*>(blocks_.data()),
-          static_cast<std::streamsize>(blocks * sizeof(Block)));
-  in.read(reinterpret_cast<char*>(&free_blocks), sizeof free_blocks);
-  if (!in || free_blocks > blocks)
-    throw InputError("checkpoint: damaged odometry map; run again without --resume");
-  free_.resize(free_blocks);
-  in.read(reinterpret_cast<char*>(free_.data()),
-          static_cast<std::streamsize>(free_blocks * sizeof(std::uint32_t)));
-  if (!in) throw InputError("checkpoint: damaged odometry map; run again without --resume");
+  get_all(in, blocks_);
+  get_all(in, free_);
   table_.clear();
   for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
     if (blocks_[i].count > 0) table_.find_or_insert(blocks_[i].key, i);

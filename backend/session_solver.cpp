@@ -1,0 +1,213 @@
+#include "backend/session_solver.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <span>
+
+#include "backend/ground_footprint.hpp"
+
+namespace groundloop {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool participates(const ClosureRecord& closure) {
+  return closure.status == ClosureStatus::accepted || closure.status == ClosureStatus::outlier;
+}
+
+// Solves the key-pose graph and hands each closure its verdict.
+OptimizationSummary judge(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                          std::vector<ClosureRecord>& closures, PoseGraph& graph,
+                          const Progress& progress) {
+  graph = key_pose_graph(input.odometry, maps, closures, input.odometry_information);
+  const OptimizationSummary summary = optimize(graph, input.optimizer, progress);
+  std::size_t edge = maps.empty() ? 0 : maps.size() - 1;
+  for (ClosureRecord& closure : closures) {
+    if (!participates(closure)) continue;
+    closure.weight = graph.edges[edge].weight;
+    closure.status = graph.edges[edge].rejected ? ClosureStatus::outlier : ClosureStatus::accepted;
+    ++edge;
+  }
+  return summary;
+}
+
+bool has_closure(const std::vector<ClosureRecord>& closures, int reference, int query) {
+  return std::any_of(closures.begin(), closures.end(), [&](const ClosureRecord& c) {
+    return c.reference_map == reference && c.query_map == query &&
+           c.status == ClosureStatus::accepted;
+  });
+}
+
+// Tries pairs of maps that overlap in the solution and adds those that hold. Returns how many were
+// added.
+std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
+                         const std::vector<GroundFootprint>& footprints, MapStore& store,
+                         std::vector<std::pair<int, int>>& tried,
+                         std::vector<ClosureRecord>& closures, SessionSolution& solution,
+                         const Progress& progress) {
+  constexpr int kSkipped = 3;
+  const std::string session = closures.empty() ? std::string() : closures.front().query_session;
+  std::size_t added = 0;
+  const auto n = static_cast<int>(footprints.size());
+  for (int query = 0; query < n; ++query) {
+    for (int reference = 0; reference + kSkipped < query; ++reference) {
+      if (has_closure(closures, reference, query)) continue;
+      const Pose T_query_reference =
+          graph.vertices[query].pose.inverse() * graph.vertices[reference].pose;
+      if (footprint_overlap(footprints[reference], footprints[query], T_query_reference) <
+          input.revisits.min_predicted_overlap) {
+        continue;
+      }
+      const std::pair<int, int> pair(reference, query);
+      if (std::find(tried.begin(), tried.end(), pair) != tried.end()) continue;
+      tried.push_back(pair);
+      ++solution.revisits_tried;
+      if (progress) progress("revisits", solution.revisits_tried, 0);
+      const std::shared_ptr<StoredMap> q = store.get(query), r = store.get(reference);
+      const ClosureVerification result =
+          verify_closure(q->target(), q->points(), r->points(), T_query_reference,
+                         input.verification, input.registration);
+      const Pose moved = T_query_reference.inverse() * result.T_query_reference;
+      const bool near =
+          moved.translation.norm() <= input.revisits.max_distance &&
+          rotation_angle(moved.rotation) <= input.revisits.max_angle_deg * M_PI / 180.0;
+      if (result.status != ClosureStatus::accepted || !near) continue;
+      ClosureRecord record;
+      record.reference_session = record.query_session = session;
+      record.reference_map = reference;
+      record.query_map = query;
+      record.source = ClosureSource::overlap;
+      record.status = ClosureStatus::accepted;
+      record.overlap = result.overlap;
+      record.rmse = result.rmse;
+      record.T_query_reference = result.T_query_reference;
+      record.initial_T_query_reference = T_query_reference;
+      record.information = result.information;
+      closures.push_back(std::move(record));
+      ++added;
+    }
+  }
+  return added;
+}
+
+// The graph of all scans, started from odometry that is bent to the key poses.
+OptimizationSummary solve_all_scans(const SolverInput& input,
+                                    const std::vector<LocalMapRecord>& maps,
+                                    const std::vector<ClosureRecord>& closures,
+                                    const PoseGraph& key_graph, Trajectory& trajectory,
+                                    const Progress& progress) {
+  const Trajectory& odometry = input.odometry;
+  PoseGraph graph;
+  graph.vertices.reserve(odometry.size());
+  graph.edges.reserve(odometry.size() + closures.size());
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    // The correction at the map's first scan goes over into that at the next map's.
+    const Pose here = key_graph.vertices[m].pose * odometry[maps[m].first_scan].pose.inverse();
+    const bool last = m + 1 == maps.size();
+    const Pose next =
+        last ? here
+             : key_graph.vertices[m + 1].pose * odometry[maps[m + 1].first_scan].pose.inverse();
+    const auto scans = static_cast<double>(maps[m].last_scan + 1 - maps[m].first_scan);
+    for (std::size_t i = maps[m].first_scan; i <= maps[m].last_scan; ++i) {
+      const double s = static_cast<double>(i - maps[m].first_scan) / scans;
+      const Pose a = here * odometry[i].pose, b = next * odometry[i].pose;
+      graph.vertices.push_back({static_cast<int>(i), interpolate(a, b, s), i == 0});
+    }
+  }
+  for (std::size_t i = 1; i < odometry.size(); ++i) {
+    const Pose step = odometry[i - 1].pose.inverse() * odometry[i].pose;
+    graph.edges.push_back({static_cast<int>(i - 1), static_cast<int>(i), step,
+                           odometry_information(step, input.odometry_information),
+                           EdgeKind::odometry});
+  }
+  for (const ClosureRecord& c : closures) {
+    if (c.status != ClosureStatus::accepted) continue;
+    graph.edges.push_back({static_cast<int>(maps[c.query_map].first_scan),
+                           static_cast<int>(maps[c.reference_map].first_scan), c.T_query_reference,
+                           c.weight * c.information, EdgeKind::closure});
+  }
+  OptimizerOptions options = input.optimizer;
+  options.robust = false;  // the key-pose graph has judged
+  options.initialisation = "guess";
+  const OptimizationSummary summary = optimize(graph, options, progress);
+  trajectory.resize(odometry.size());
+  for (std::size_t i = 0; i < odometry.size(); ++i)
+    trajectory[i] = {odometry[i].stamp, graph.vertices[i].pose};
+  return summary;
+}
+
+}  // namespace
+
+PoseGraph key_pose_graph(const Trajectory& odometry, const std::vector<LocalMapRecord>& maps,
+                         const std::vector<ClosureRecord>& closures,
+                         const OdometryInformationOptions& options) {
+  PoseGraph graph;
+  for (const LocalMapRecord& map : maps) {
+    graph.vertices.push_back({map.map, odometry[map.first_scan].pose, map.map == maps.front().map});
+  }
+  std::vector<Pose> T_world_scan;
+  T_world_scan.reserve(odometry.size());
+  for (const StampedPose& sample : odometry) T_world_scan.push_back(sample.pose);
+  for (std::size_t m = 1; m < maps.size(); ++m) {
+    const RelativePose step =
+        compose_odometry(T_world_scan, maps[m - 1].first_scan, maps[m].first_scan, options);
+    Matrix6d information = step.covariance.inverse();
+    information = (0.5 * (information + information.transpose())).eval();
+    graph.edges.push_back(
+        {maps[m - 1].map, maps[m].map, step.T_from_to, information, EdgeKind::odometry});
+  }
+  for (const ClosureRecord& c : closures) {
+    if (!participates(c)) continue;
+    graph.edges.push_back(
+        {c.query_map, c.reference_map, c.T_query_reference, c.information, EdgeKind::closure});
+  }
+  return graph;
+}
+
+SessionSolution solve_session(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                              MapStore& store, std::vector<ClosureRecord>& closures,
+                              const Progress& progress) {
+  SessionSolution solution;
+  auto start = Clock::now();
+  solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
+  solution.optimisation_seconds += seconds_since(start);
+  const bool connected = std::any_of(closures.begin(), closures.end(), [](const ClosureRecord& c) {
+    return c.status == ClosureStatus::accepted;
+  });
+  if (input.revisits.enabled && connected) {
+    start = Clock::now();
+    std::vector<GroundFootprint> footprints;
+    for (const LocalMapRecord& map : maps)
+      footprints.push_back(ground_footprint(store.get(map.map)->points()));
+    std::vector<std::pair<int, int>> tried;
+    solution.verification_seconds += seconds_since(start);
+    for (int round = 0; round < input.revisits.max_rounds; ++round) {
+      start = Clock::now();
+      const std::size_t added = add_revisits(input, solution.key_graph, footprints, store, tried,
+                                             closures, solution, progress);
+      solution.verification_seconds += seconds_since(start);
+      if (added == 0) break;
+      start = Clock::now();
+      solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
+      solution.optimisation_seconds += seconds_since(start);
+    }
+    solution.revisits_accepted = static_cast<std::size_t>(
+        std::count_if(closures.begin(), closures.end(), [](const ClosureRecord& c) {
+          return c.source == ClosureSource::overlap && c.status == ClosureStatus::accepted;
+        }));
+  }
+  start = Clock::now();
+  solution.summary =
+      solve_all_scans(input, maps, closures, solution.key_graph, solution.trajectory, progress);
+  solution.optimisation_seconds += seconds_since(start);
+  for (const LocalMapRecord& map : maps)
+    solution.T_world_map.push_back(solution.trajectory[map.first_scan].pose);
+  return solution;
+}
+
+}  // namespace groundloop

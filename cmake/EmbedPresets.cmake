@@ -1,0 +1,18 @@
+# embed_presets(FOLDER OUTPUT): a header with every FOLDER/*.yaml as text, so that the command finds its presets wherever
+# it is installed.
+function(embed_presets folder output)
+  file(GLOB files CONFIGURE_DEPENDS ${folder}/*.yaml)
+  list(SORT files)
+  set(text "// Made by CMake from configs/*.yaml.\n#pragma once\n\n#include <array>\n\nnamespace groundloop::apps {\n\n")
+  string(APPEND text "struct Preset {\n  const char* name;\n  const char* yaml;\n};\n\n")
+  list(LENGTH files count)
+  string(APPEND text "inline constexpr std::array<Preset, ${count}> kPresets{{\n")
+  foreach(file ${files})
+    get_filename_component(name ${file} NAME_WE)
+    file(READ ${file} yaml)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    string(APPEND text "    Preset{\"${name}\", R\"yaml(${yaml})yaml\"},\n")
+  endforeach()
+  string(APPEND text "}};\n\n}  // namespace groundloop::apps\n")
+  file(CONFIGURE OUTPUT ${output} CONTENT "${text}" @ONLY)
+endfunction()
