@@ -6,6 +6,7 @@
 #include "frontend/core/error.hpp"
 #include "frontend/recording.hpp"
 #include "frontend/simulation/simulation.hpp"
+#include "frontend/sources/bags.hpp"
 #include "frontend/sources/datasets.hpp"
 #include "frontend/sources/elevation_correction.hpp"
 #include "frontend/sources/folder.hpp"
@@ -43,6 +44,10 @@ const std::array kFormats = {
     Format{"mulran", "MulRan (sensor_data/Ouster/*.bin)", sources::is_mulran, sources::open_mulran},
     Format{"nclt", "NCLT (velodyne_sync/*.bin or velodyne_hits.bin)", sources::is_nclt,
            sources::open_nclt},
+    Format{"rosbag", "ROS 1 bags (*.bag)", sources::is_rosbag, sources::open_rosbag, true},
+    Format{"rosbag2", "a ROS 2 bag (metadata.yaml, *.db3)", sources::is_rosbag2,
+           sources::open_rosbag2, true},
+    Format{"mcap", "MCAP files (*.mcap)", sources::is_mcap, sources::open_mcap, true},
     Format{"folder", "a folder of *.bin, *.pcd or *.ply scans", sources::is_scan_folder,
            sources::open_folder},
 };
