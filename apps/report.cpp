@@ -30,7 +30,7 @@ polyline.good,g.good line{stroke:var(--good);stroke-width:2.2}g.good circle{fill
 polyline.bad,g.bad line{stroke:var(--bad);stroke-width:1;stroke-dasharray:3 3}g.bad circle{fill:var(--bad)}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:3px 12px 3px 0;text-align:right;border-bottom:1px solid var(--rule);white-space:nowrap}
-th{font-weight:600}th:first-child,td:first-child{text-align:left}td.wrap{white-space:normal;text-align:left}
+th{font-weight:600}th:first-child,td:first-child{text-align:left}.facts td{text-align:left}td.wrap{white-space:normal;text-align:left}
 td.accepted{color:var(--good)}td.rejected{color:var(--bad)}
 pre{overflow:auto;border:1px solid var(--rule);padding:12px;font-size:13px}
 img{max-width:31%;margin-right:2%;image-rendering:pixelated}
@@ -346,7 +346,7 @@ std::string make_report(const ReportInput& input) {
       escape_html(input.title) + "</h1>\n";
   std::vector<std::vector<std::string>> facts;
   for (const auto& [name, value] : input.facts) facts.push_back({name, value});
-  if (!facts.empty()) html += table({}, facts);
+  if (!facts.empty()) html += "<div class=\"facts\">" + table({}, facts) + "</div>\n";
   html += trajectories(input) + errors(input) + closures(input) + rest(input);
   return html + "</body></html>\n";
 }

@@ -1,47 +1,22 @@
 #include "backend/voxel_pyramid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 
+#include "backend/cell_moments.hpp"
 #include "frontend/core/parallel.hpp"
 
 namespace groundloop {
 namespace {
 
-// Moments of the points of a cell about the map's origin: count, x y z, xx xy xz yy yz zz.
-struct Moments {
-  std::array<double, 10> m{};
-
-  void add(const Eigen::Vector3f& point) {
-    const double x = point.x();
-    const double y = point.y();
-    const double z = point.z();
-    const std::array<double, 10> one{1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z};
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] += one[k];
-  }
-  Moments& operator+=(const Moments& other) {
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] += other.m[k];
-    return *this;
-  }
-  [[nodiscard]] double count() const { return m[0]; }
-  [[nodiscard]] Eigen::Vector3d mean() const { return {m[1] / m[0], m[2] / m[0], m[3] / m[0]}; }
-  [[nodiscard]] Eigen::Matrix3d covariance() const {
-    const Eigen::Vector3d c = mean();
-    Eigen::Matrix3d squares;
-    squares << m[4], m[5], m[6], m[5], m[7], m[8], m[6], m[8], m[9];
-    return squares / m[0] - c * c.transpose();
-  }
-};
-
 struct Cells {
   VoxelTable index;
   std::vector<Eigen::Vector3i> cells;
-  std::vector<Moments> moments;
+  std::vector<CellMoments> moments;
 
-  Moments& at(const Eigen::Vector3i& cell, VoxelKey key) {
+  CellMoments& at(const Eigen::Vector3i& cell, VoxelKey key) {
     const auto next = static_cast<std::uint32_t>(moments.size());
     const std::uint32_t number = index.find_or_insert(key, next);
     if (number == next) {
@@ -74,9 +49,9 @@ Cells halve(const Cells& fine) {
   return result;
 }
 
-// Moments of a cell and the 26 around it: single cells of the finest level hold too few points.
-Moments neighbourhood(const Cells& cells, std::size_t i) {
-  Moments sum;
+// CellMoments of a cell and the 26 around it: single cells of the finest level hold too few points.
+CellMoments neighbourhood(const Cells& cells, std::size_t i) {
+  CellMoments sum;
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       for (int z = -1; z <= 1; ++z) {
@@ -97,7 +72,7 @@ void fit_planes(const Cells& cells, bool finest, VoxelLevel& level) {
   level.variances.assign(cells.moments.size(), 0.0F);
   level.normal_variances.assign(cells.moments.size(), 0.0F);
   parallel_for(cells.moments.size(), 512, [&](std::size_t i) {
-    const Moments moments = finest ? neighbourhood(cells, i) : cells.moments[i];
+    const CellMoments moments = finest ? neighbourhood(cells, i) : cells.moments[i];
     if (moments.count() < kMinPoints) return;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(moments.covariance());
@@ -121,7 +96,7 @@ VoxelPyramid::VoxelPyramid(const Points& points, double voxel_size, int levels, 
     VoxelLevel level;
     level.voxel_size = static_cast<float>(voxel_size * std::pow(2.0, i));
     level.means.reserve(cells.moments.size());
-    for (const Moments& m : cells.moments) level.means.push_back(m.mean().cast<float>());
+    for (const CellMoments& m : cells.moments) level.means.push_back(m.mean().cast<float>());
     if (planes) fit_planes(cells, i == 0, level);
     level.index = cells.index;
     levels_.push_back(std::move(level));
