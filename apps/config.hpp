@@ -25,14 +25,14 @@ struct RecordingSection {
 };
 
 struct MapSection {
-  double voxel_size = 0.2;
   bool write = true;
+  double voxel_size = 0.2;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("voxel_size", self.voxel_size, Range{0.0, 10.0}, "m",
-          "of the exported map; 0 keeps every point of the local maps");
     field("write", self.write, OnOff{}, "", "write map.pcd at the end of a run");
+    field("voxel_size", self.voxel_size, Range{0.0, 100.0}, "m",
+          "of map.pcd: one point a voxel, the mean; 0 keeps every point of the local maps");
   }
 };
 

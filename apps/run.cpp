@@ -1,5 +1,6 @@
 #include "apps/run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -8,12 +9,12 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/progress_bar.hpp"
+#include "apps/run_report.hpp"
 #include "apps/session_documents.hpp"
 #include "backend/checkpoint.hpp"
+#include "backend/map_assembly.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
-#include "frontend/core/pcd.hpp"
-#include "frontend/preprocessing.hpp"
 
 namespace groundloop::apps {
 namespace fs = std::filesystem;
@@ -90,14 +91,17 @@ class RunLog {
   spdlog::sink_ptr sink_;
 };
 
-void write_map(const SessionFolder& folder, const SlamResult& result, double voxel_size) {
-  Points all;
-  for (const LocalMapRecord& map : result.maps) {
-    const PoseF T(map.T_world_map);
-    for (const Eigen::Vector3f& p : read_pcd(folder.local_map(map.map))) all.push_back(T * p);
-  }
-  if (voxel_size > 0.0) all = VoxelDownsampler()(all, static_cast<float>(voxel_size));
-  write_pcd(folder.file("map.pcd"), all);
+void write_map(const SessionFolder& folder, const SlamResult& result, double voxel_size,
+               const Progress& progress) {
+  std::vector<MapPiece> pieces;
+  for (const LocalMapRecord& map : result.maps)
+    pieces.push_back({folder.local_map(map.map), map.T_world_map, 0});
+  MapAssemblyOptions options;
+  options.voxel_size = voxel_size;
+  const std::unique_ptr<PointCloudWriter> writer =
+      open_point_cloud_writer(folder.file("map.pcd"), false);
+  assemble_map(pieces, options, *writer, folder.path(), progress);
+  writer->finish();
 }
 
 std::optional<RunEvaluation> evaluate(const SlamResult& result, const Trajectory& ground_truth) {
@@ -190,7 +194,8 @@ void run_recording(const RunRequest& request, const Context& context) {
     write_text_atomically(session.file("config.yaml"), to_yaml(request.config));
     result = run_slam(*recording, request.config.slam, session, request.resume, progress);
     const auto map_start = std::chrono::steady_clock::now();
-    if (request.config.map.write) write_map(session, result, request.config.map.voxel_size);
+    if (request.config.map.write)
+      write_map(session, result, request.config.map.voxel_size, progress);
     result.times.map =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - map_start).count();
   } catch (...) {
@@ -207,7 +212,11 @@ void run_recording(const RunRequest& request, const Context& context) {
                         metrics_document(result, evaluation).dump(2) + "\n");
   write_text_atomically(session.file("manifest.json"),
                         manifest_document(session, *recording, result, "complete").dump(2) + "\n");
+  write_text_atomically(
+      session.file("report.html"),
+      make_run_report(*recording, request.config, result, ground_truth, evaluation));
   log_summary(result, evaluation);
+  spdlog::info("report: {}", session.file("report.html").string());
 }
 
 }  // namespace groundloop::apps

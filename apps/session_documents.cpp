@@ -66,7 +66,6 @@ Json manifest_document(const SessionFolder& folder, const Recording& recording,
   }
   return {{"groundloop", GROUNDLOOP_VERSION},
           {"session_format", 1},
-          {"name", folder.name()},
           {"stage", stage},
           {"recording", recording_document(recording.info(), recording.size())},
           {"sensor", recording.info().sensor},

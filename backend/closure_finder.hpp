@@ -16,6 +16,7 @@ namespace groundloop {
 struct ClosureOptions {
   int min_inliers = 6;
   bool verification = true;
+  bool pairwise_consistency = true;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -25,6 +26,9 @@ struct ClosureOptions {
     field("verification", self.verification, OnOff{}, "",
           "verify and refine candidates by registration; off is the paper's plain detector, for "
           "ablations");
+    field(
+        "pairwise_consistency", self.pairwise_consistency, OnOff{}, "",
+        "where many closures disagree over the loops they form, keep the largest set that agrees");
   }
 };
 

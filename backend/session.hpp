@@ -47,9 +47,14 @@ struct LocalMapRecord {
 /// Names of a session's files.
 class SessionFolder {
  public:
+  /// What a session calls itself in its own closures.csv: not its folder's name, so that the same
+  /// run gives the same bytes wherever it is kept, and a folder may be renamed. A merged session
+  /// calls its parts by their folders' names.
+  static constexpr const char* kOwnName = "session";
+
   explicit SessionFolder(std::filesystem::path path) : path_(std::move(path)) {}
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The folder's own name, by which closures and merges call the session.
+  /// The folder's own name, by which a merge calls the session.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::filesystem::path local_map(int id) const;
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return path_ / name; }

@@ -6,6 +6,8 @@
 #include <span>
 
 #include "backend/ground_footprint.hpp"
+#include "backend/pairwise_consistency.hpp"
+#include "backend/robust.hpp"
 
 namespace groundloop {
 namespace {
@@ -18,6 +20,52 @@ double seconds_since(Clock::time_point start) {
 
 bool participates(const ClosureRecord& closure) {
   return closure.status == ClosureStatus::accepted || closure.status == ClosureStatus::outlier;
+}
+
+// Calls closures inconsistent that disagree, over the loop through odometry, with most of the
+// largest set that agrees. Only where many pairs disagree: a single one is the robust solver's to
+// judge, which weighs all of them together.
+void check_consistency(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                       std::vector<ClosureRecord>& closures) {
+  std::vector<std::size_t> judged;
+  std::vector<PairwiseClosure> pairwise;
+  for (std::size_t i = 0; i < closures.size(); ++i) {
+    const ClosureRecord& c = closures[i];
+    if (c.status != ClosureStatus::accepted) continue;
+    judged.push_back(i);
+    pairwise.push_back(
+        {c.query_map, c.reference_map, {c.T_query_reference, c.information.inverse()}});
+  }
+  if (judged.size() < 3 || !input.pairwise_consistency) return;
+  std::vector<Pose> T_world_scan;
+  T_world_scan.reserve(input.odometry.size());
+  for (const StampedPose& sample : input.odometry) T_world_scan.push_back(sample.pose);
+  const ChainFunction chain = [&](int from, int to) {
+    const auto [low, high] = std::minmax(from, to);
+    const RelativePose forward = compose_odometry(
+        T_world_scan, maps[low].first_scan, maps[high].first_scan, input.odometry_information);
+    return from <= to ? forward : inverse(forward);
+  };
+  const double bound = chi_square_quantile_6(ConsistencyOptions{}.probability);
+  const auto n = static_cast<int>(judged.size());
+  std::vector<char> disagrees(static_cast<std::size_t>(n) * n, 0);
+  std::size_t disagreeing = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) {
+      const bool apart = pairwise_distance(pairwise[i], pairwise[j], chain, chain) > bound;
+      disagrees[i * n + j] = disagrees[j * n + i] = apart ? 1 : 0;
+      disagreeing += apart ? 1 : 0;
+    }
+  }
+  constexpr double kManyDisagree = 0.25;
+  if (static_cast<double>(disagreeing) < kManyDisagree * 0.5 * n * (n - 1)) return;
+  const std::vector<int> largest = consistent_sets(pairwise, chain, chain).sets.front();
+  for (int i = 0; i < n; ++i) {
+    const auto against = std::count_if(largest.begin(), largest.end(),
+                                       [&](int j) { return disagrees[i * n + j] != 0; });
+    if (2 * static_cast<std::size_t>(against) > largest.size())
+      closures[judged[i]].status = ClosureStatus::inconsistent;
+  }
 }
 
 // Solves the key-pose graph and hands each closure its verdict.
@@ -174,6 +222,7 @@ SessionSolution solve_session(const SolverInput& input, const std::vector<LocalM
                               const Progress& progress) {
   SessionSolution solution;
   auto start = Clock::now();
+  check_consistency(input, maps, closures);
   solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
   solution.optimisation_seconds += seconds_since(start);
   const bool connected = std::any_of(closures.begin(), closures.end(), [](const ClosureRecord& c) {

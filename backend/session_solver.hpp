@@ -43,6 +43,7 @@ struct SolverInput {
   RevisitOptions revisits;
   VerificationOptions verification;
   RegistrationOptions registration;
+  bool pairwise_consistency = true;
 };
 
 struct SessionSolution {

@@ -44,9 +44,7 @@ StageTimes process_scans(Recording& recording, State& state, const Progress& pro
   ReadAhead reader(recording, state.trajectory.size(), total - state.trajectory.size());
   while (true) {
     if (progress) progress("odometry", state.trajectory.size(), total);
-    const auto start = Clock::now();
     std::optional<Scan> scan = reader.next();
-    times.read += seconds_since(start);
     if (!scan) break;
     RegisteredScan registered =
         state.odometry.add(*scan, scan_name(recording, state.trajectory.size()));
@@ -56,6 +54,7 @@ StageTimes process_scans(Recording& recording, State& state, const Progress& pro
   }
   mapping.finish();
   times.local_maps = mapping.building_seconds();
+  times.read = reader.seconds_reading();
   return times;
 }
 
@@ -96,6 +95,13 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   } catch (const Interrupted&) {
     checkpoint.save(state.odometry, state.builder, state.finder, state.trajectory);
     throw;
+  } catch (const InputError&) {
+    // A scan that cannot be used, far into a recording: once it is mended, --resume goes on from
+    // here.
+    if (!state.finder.maps().empty()) {
+      checkpoint.save(state.odometry, state.builder, state.finder, state.trajectory);
+    }
+    throw;
   }
   if (std::optional<LocalMap> last = state.builder.finish()) state.finder.add(*last);
   add_closure_times(state.finder, result.times);
@@ -103,8 +109,13 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   result.odometry = std::move(state.trajectory);
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
-  const SolverInput input{result.odometry,  options.odometry_information, options.pose_graph,
-                          options.revisits, options.verification,         options.registration};
+  const SolverInput input{result.odometry,
+                          options.odometry_information,
+                          options.pose_graph,
+                          options.revisits,
+                          options.verification,
+                          options.registration,
+                          options.closures.pairwise_consistency};
   result.solution =
       solve_session(input, result.maps, state.finder.store(), result.closures, progress);
   result.times.optimisation = result.solution.optimisation_seconds;

@@ -19,6 +19,12 @@
 
 namespace groundloop {
 
+[[nodiscard]] inline OptimizerOptions robust_optimizer() {
+  OptimizerOptions options;
+  options.robust = true;
+  return options;
+}
+
 struct SlamOptions {
   OdometryOptions odometry;
   LocalMapOptions local_maps;
@@ -27,7 +33,7 @@ struct SlamOptions {
   VerificationOptions verification;
   RegistrationOptions registration;
   OdometryInformationOptions odometry_information;
-  OptimizerOptions pose_graph;
+  OptimizerOptions pose_graph = robust_optimizer();  ///< closures of a recording are to be judged
   RevisitOptions revisits;
 };
 

@@ -1,0 +1,113 @@
+#include "apps/run_report.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "apps/report.hpp"
+
+namespace groundloop::apps {
+namespace {
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, value);
+  return buffer.data();
+}
+
+// T_world_scan of the ground truth at the first scan of each map, where it has a pose at that
+// scan's stamp.
+std::vector<std::optional<Pose>> true_map_poses(const SlamResult& result,
+                                                const Trajectory& ground_truth,
+                                                const std::optional<RunEvaluation>& evaluation) {
+  std::vector<std::optional<Pose>> by_scan(result.odometry.size());
+  if (evaluation) {
+    for (const auto& [scan, truth] : evaluation->optimised.pairs)
+      by_scan[scan] = ground_truth[truth].pose;
+  }
+  std::vector<std::optional<Pose>> poses;
+  for (const LocalMapRecord& map : result.maps) poses.push_back(by_scan[map.first_scan]);
+  return poses;
+}
+
+ReportClosure report_closure(const ClosureRecord& c, const SlamResult& result,
+                             const std::vector<std::optional<Pose>>& truth) {
+  ReportClosure row;
+  row.reference = std::to_string(c.reference_map);
+  row.query = std::to_string(c.query_map);
+  row.source = to_string(c.source);
+  row.matches = c.matches;
+  row.inliers = c.inliers;
+  row.status = to_string(c.status);
+  row.overlap = c.overlap;
+  row.rmse_m = c.rmse;
+  row.reference_position = result.maps[c.reference_map].T_world_map.translation;
+  row.query_position = result.maps[c.query_map].T_world_map.translation;
+  if (truth[c.reference_map] && truth[c.query_map]) {
+    const Pose expected = truth[c.query_map]->inverse() * *truth[c.reference_map];
+    const Pose error = expected.inverse() * c.T_query_reference;
+    row.error_m = error.translation.norm();
+    row.error_deg = rotation_angle(error.rotation) * 180.0 / M_PI;
+  }
+  return row;
+}
+
+ReportTable pose_graph_table(const SessionSolution& solution) {
+  const auto row = [](const char* name, const OptimizationSummary& s) -> std::vector<std::string> {
+    return {name, fixed(s.cost_before, 3), fixed(s.cost_after, 3), std::to_string(s.iterations),
+            s.termination};
+  };
+  return {"Pose graph",
+          "cost = 1/2 sum of r' information r, r the SE(3) logarithm of the residual pose",
+          {"graph", "cost before", "cost after", "iterations", "termination"},
+          {row("key poses", solution.key_summary), row("all scans", solution.summary)}};
+}
+
+}  // namespace
+
+std::string make_run_report(const Recording& recording, const Config& config,
+                            const SlamResult& result, const Trajectory& ground_truth,
+                            const std::optional<RunEvaluation>& evaluation) {
+  const RecordingInfo& info = recording.info();
+  ReportInput input;
+  input.title = info.path;
+  input.facts = {{"groundloop", GROUNDLOOP_VERSION},
+                 {"format", info.format},
+                 {"sensor", info.sensor},
+                 {"scans", std::to_string(result.odometry.size())},
+                 {"path", fixed(path_length(result.solution.trajectory), 0) + " m"},
+                 {"local maps", std::to_string(result.maps.size())},
+                 {"stamps", info.stamp_source},
+                 {"per-point times", info.point_times},
+                 {"scans a second",
+                  fixed(static_cast<double>(result.odometry.size()) / result.times.total, 1)},
+                 {"peak memory", fixed(peak_memory_mb(), 0) + " MB"}};
+  for (const std::string& note : info.notes) input.facts.emplace_back("note", note);
+  input.odometry = result.odometry;
+  input.optimised = result.solution.trajectory;
+  input.ground_truth = ground_truth;
+  if (evaluation) {
+    input.odometry_evaluation = evaluation->odometry;
+    input.optimised_evaluation = evaluation->optimised;
+  }
+  const std::vector<std::optional<Pose>> truth = true_map_poses(result, ground_truth, evaluation);
+  for (const ClosureRecord& closure : result.closures)
+    input.closures.push_back(report_closure(closure, result, truth));
+  input.tables.push_back(pose_graph_table(result.solution));
+  const StageTimes& t = result.times;
+  input.timing_s = {{"read", t.read},
+                    {"odometry", t.odometry},
+                    {"local maps", t.local_maps},
+                    {"ground alignment", t.ground_alignment},
+                    {"density image", t.density_image},
+                    {"features", t.features},
+                    {"matching", t.matching},
+                    {"consensus", t.consensus},
+                    {"verification", t.verification},
+                    {"optimisation", t.optimisation},
+                    {"map", t.map},
+                    {"total (clock)", t.total}};
+  input.configuration = to_yaml(config);
+  return make_report(input);
+}
+
+}  // namespace groundloop::apps

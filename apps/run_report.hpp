@@ -1,0 +1,18 @@
+// The report of one run, filled from its result.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/config.hpp"
+#include "apps/session_documents.hpp"
+#include "frontend/recording.hpp"
+
+namespace groundloop::apps {
+
+/// The page report.html. `ground_truth` may be empty.
+[[nodiscard]] std::string make_run_report(const Recording& recording, const Config& config,
+                                          const SlamResult& result, const Trajectory& ground_truth,
+                                          const std::optional<RunEvaluation>& evaluation);
+
+}  // namespace groundloop::apps
