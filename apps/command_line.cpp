@@ -48,6 +48,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_demo_command(app, context);
   add_evaluate_command(app, context);
   add_inspect_command(app, context);
+  add_simulate_command(app, context);
   add_optimize_command(app, context);
   add_config_command(app, context);
   // Subcommands run in their callbacks, after this.

@@ -28,6 +28,7 @@ void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);
 int run_command_line(int argc, const char* const* argv);
 
 void add_inspect_command(CLI::App& app, Context& context);
+void add_simulate_command(CLI::App& app, Context& context);
 void add_optimize_command(CLI::App& app, Context& context);
 
 }  // namespace groundloop::apps

@@ -9,6 +9,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/sources/ground_truth.hpp"
 #include "frontend/sources/source_tools.hpp"
 
 namespace groundloop::sources {
@@ -109,11 +110,13 @@ class BagRecording final : public Recording {
     choose_stamps();
     put_in_order();
     learn_layout();
+    find_truth(path);
   }
 
   const RecordingInfo& info() const override { return info_; }
   std::size_t size() const override { return items_.size(); }
   Nanoseconds stamp(std::size_t index) const override { return items_.at(index).stamp; }
+  Trajectory ground_truth() const override { return ground_truth_; }
 
   Scan read(std::size_t index) override {
     const Item& item = items_.at(index);
@@ -242,7 +245,21 @@ class BagRecording final : public Recording {
                                     : "none";
   }
 
+  // Bags hold none; a file of a usual name in the folder of bags is taken.
+  void find_truth(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error)) return;
+    const std::filesystem::path file = find_ground_truth({path});
+    if (file.empty()) return;
+    std::vector<Nanoseconds> stamps;
+    for (const Item& item : items_) stamps.push_back(item.stamp);
+    ground_truth_ = read_ground_truth(file, stamps);
+    info_.notes.push_back("Ground truth is " + file.filename().string() +
+                          ", taken to be of the LiDAR itself.");
+  }
+
   RecordingInfo info_;
+  Trajectory ground_truth_;
   std::vector<NamedFile> files_;
   std::string topic_;
   std::vector<Item> items_;

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kHit = 8;             // u16 x y z, u8 intensity, u8 laser
 constexpr std::size_t kPacketHeader = 24;   // u16 magic x4, u32 hits, u64 utime, u32 padding
+constexpr double kAzimuthError = 0.003;     // rad
 constexpr std::size_t kMostHits = 100'000;  // a packet has at most 384
 
 // A hit in the frame with z upward; false for what is no return.
@@ -204,7 +205,8 @@ class HitsRecording final : public Recording {
       }
       if (started) turned += std::remainder(azimuth - last, 2.0 * std::numbers::pi);
       last = azimuth;
-      if (!started || std::abs(turned) >= 2.0 * std::numbers::pi) {
+      // Coordinates in steps of 5 mm make an azimuth uncertain by milliradians.
+      if (!started || std::abs(turned) >= 2.0 * std::numbers::pi - kAzimuthError) {
         if (started) turned -= std::copysign(2.0 * std::numbers::pi, turned);
         turns_.push_back({offset, 0, packet.utime * 1000});
         started = true;

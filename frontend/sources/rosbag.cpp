@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include <console_bridge/console.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
@@ -38,6 +39,8 @@ class LibraryBag final : public MessageFile {
  public:
   // Throws what librosbag_storage throws.
   explicit LibraryBag(const fs::path& file) : file_(file) {
+    // What goes wrong comes back as an exception; the library's own lines on stderr say it twice.
+    console_bridge::noOutputHandler();
     bag_.open(file.string(), rosbag::bagmode::Read);
     view_ = std::make_unique<rosbag::View>(bag_);
     std::map<std::string, std::size_t> index;
