@@ -5,18 +5,27 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <tuple>
+#include <utility>
+
+#include "loopclosure/hamming.hpp"
 
 namespace groundloop {
 namespace {
 
-constexpr int kRotationBins = 180;
-constexpr std::size_t kHypotheses = 5;
+constexpr int kRotationBins = 360;
+constexpr std::size_t kHypotheses = 32;
 constexpr int kRefinements = 10;
 
 struct Matched {
   Eigen::Vector2d query, reference;
   double turn;  // orientation of the query keypoint less that of the reference keypoint
+};
+
+// How far an inlier may be off, in metres and radians.
+struct Tolerance {
+  double radius, turn;
 };
 
 std::vector<Matched> positions(const MapDescription& query, const MapDescription& reference,
@@ -37,7 +46,8 @@ std::vector<Matched> positions(const MapDescription& query, const MapDescription
 // Indices of matches within `radius` of the alignment, each keypoint once: the nearer descriptor
 // first, then the nearer point.
 std::vector<std::size_t> inliers_of(const PlanarTransform& T, const std::vector<Matched>& points,
-                                    std::span<const KeypointMatch> matches, double radius) {
+                                    std::span<const KeypointMatch> matches,
+                                    const Tolerance& tolerance) {
   struct Near {
     int distance;
     double error;
@@ -47,7 +57,9 @@ std::vector<std::size_t> inliers_of(const PlanarTransform& T, const std::vector<
   const Eigen::Matrix2d R = rotation_matrix(T);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double error = (R * points[i].reference + T.translation - points[i].query).squaredNorm();
-    if (error <= radius * radius) near.push_back({matches[i].distance, error, i});
+    if (error > tolerance.radius * tolerance.radius) continue;
+    if (std::abs(wrap_angle(points[i].turn - T.angle)) > tolerance.turn) continue;
+    near.push_back({matches[i].distance, error, i});
   }
   std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
     return std::tie(a.distance, a.error, a.index) < std::tie(b.distance, b.error, b.index);
@@ -80,12 +92,13 @@ struct Fitted {
 
 // Fits to the inliers of `start` and counts again while that finds more.
 Fitted refine(const PlanarTransform& start, double start_radius, const std::vector<Matched>& points,
-              std::span<const KeypointMatch> matches, double radius) {
-  Fitted best{start, inliers_of(start, points, matches, radius)};
-  std::vector<std::size_t> support = inliers_of(start, points, matches, start_radius);
+              std::span<const KeypointMatch> matches, const Tolerance& tolerance) {
+  Fitted best{start, inliers_of(start, points, matches, tolerance)};
+  std::vector<std::size_t> support =
+      inliers_of(start, points, matches, {start_radius, tolerance.turn});
   for (int i = 0; i < kRefinements && support.size() >= 2; ++i) {
     const PlanarTransform T = fit(points, support);
-    std::vector<std::size_t> inliers = inliers_of(T, points, matches, radius);
+    std::vector<std::size_t> inliers = inliers_of(T, points, matches, tolerance);
     const bool better = inliers.size() > best.inliers.size() || i == 0;
     if (!better) break;
     if (inliers.size() >= best.inliers.size()) best = {T, inliers};
@@ -94,65 +107,75 @@ Fitted refine(const PlanarTransform& start, double start_radius, const std::vect
   return best;
 }
 
-// An alignment that carries one match exactly, with the number of others that may agree.
+// Bins of rotation [first, last], last possibly beyond the end, where it goes on at bin 0.
+struct RotationRange {
+  int first = 0, last = -1;  // empty
+  [[nodiscard]] bool holds(int bin) const {
+    return (first <= bin && bin <= last) || bin + kRotationBins <= last;
+  }
+};
+
+// If an alignment has two matches as inliers of radius r, then the one that carries the first of
+// them (the anchor) exactly, with the same rotation, has the other within 2 r. These are the
+// rotations for which that is so.
+RotationRange allowed_rotations(const Matched& anchor, const Matched& other,
+                                const Tolerance& tolerance) {
+  const double reach = 2 * tolerance.radius;
+  const Eigen::Vector2d v = other.query - anchor.query;
+  const Eigen::Vector2d w = other.reference - anchor.reference;
+  const double length_v = v.norm(), length_w = w.norm();
+  const double along = length_v - length_w;
+  // Too near to tell a rotation, or not the same distance.
+  if (std::min(length_v, length_w) <= reach || std::abs(along) > reach) return {};
+  if (std::abs(wrap_angle(other.turn - anchor.turn)) > 2 * tolerance.turn) return {};
+  const double turn = std::atan2(w.x() * v.y() - w.y() * v.x(), w.dot(v));
+  // |R w - v| <= reach where the rotation is within this of the exact one.
+  const double chord = (reach * reach - along * along) / (4 * length_v * length_w);
+  const double half = 2 * std::asin(std::sqrt(std::min(1.0, chord)));
+  if (std::abs(wrap_angle(turn - other.turn)) > tolerance.turn + half) return {};
+  const double bins_per_radian = kRotationBins / (2 * std::numbers::pi);
+  const auto bin = [&](double angle) {
+    return static_cast<int>(std::floor((angle + std::numbers::pi) * bins_per_radian));
+  };
+  RotationRange range{bin(turn - half), bin(turn + half)};
+  range.last = std::min(range.last, range.first + kRotationBins - 1);
+  if (range.first < 0) range.first += kRotationBins, range.last += kRotationBins;
+  if (range.first >= kRotationBins) range.first -= kRotationBins, range.last -= kRotationBins;
+  return range;
+}
+
+// The rotation about one match that most others allow.
 struct Hypothesis {
   std::size_t anchor = 0;
-  double angle = 0.0;
+  int bin = 0;
   int votes = 0;
 };
 
-// If an alignment has `anchor` and others as inliers of radius r, then the one that carries the
-// anchor exactly with the same rotation has the others within 2 r. Each other match thus allows an
-// interval of rotations about the anchor; the rotation most intervals share is the hypothesis.
-Hypothesis vote(std::size_t anchor, const std::vector<Matched>& points, double radius) {
-  std::array<int, kRotationBins + 1> change{};
-  const double reach = 2 * radius;
-  const double bins_per_radian = kRotationBins / (2 * std::numbers::pi);
-  const auto add = [&](int first, int last) {  // both included, within [0, kRotationBins)
-    ++change[static_cast<std::size_t>(first)];
-    --change[static_cast<std::size_t>(last) + 1];
-  };
+Hypothesis vote(std::size_t anchor, const std::vector<Matched>& points,
+                const Tolerance& tolerance) {
+  std::array<int, 2 * kRotationBins + 1> change{};
   for (std::size_t j = 0; j < points.size(); ++j) {
     if (j == anchor) continue;
-    const Eigen::Vector2d v = points[j].query - points[anchor].query;
-    const Eigen::Vector2d w = points[j].reference - points[anchor].reference;
-    const double length_v = v.norm(), length_w = w.norm();
-    // Too near to tell a rotation, or not the same distance.
-    if (std::min(length_v, length_w) <= reach || std::abs(length_v - length_w) > reach) continue;
-    const double angle = std::atan2(w.x() * v.y() - w.y() * v.x(), w.dot(v)) + std::numbers::pi;
-    // |R w - v| <= reach where the chord's angle is within this of the exact one.
-    const double along = length_v - length_w;
-    const double chord = (reach * reach - along * along) / (4 * length_v * length_w);
-    const double half = 2 * std::asin(std::sqrt(std::min(1.0, std::max(0.0, chord))));
-    const int first = static_cast<int>(std::floor((angle - half) * bins_per_radian));
-    const int last = std::min(static_cast<int>(std::floor((angle + half) * bins_per_radian)),
-                              first + kRotationBins - 1);
-    if (first < 0) {
-      add(first + kRotationBins, kRotationBins - 1);
-      if (last >= 0) add(0, last);
-    } else if (last >= kRotationBins) {
-      add(first, kRotationBins - 1);
-      add(0, last - kRotationBins);
-    } else {
-      add(first, last);
-    }
+    const RotationRange range = allowed_rotations(points[anchor], points[j], tolerance);
+    if (range.last < range.first) continue;
+    ++change[static_cast<std::size_t>(range.first)];
+    --change[static_cast<std::size_t>(range.last) + 1];
   }
-  Hypothesis best{anchor, 0.0, 0};
-  int votes = 0;
+  std::partial_sum(change.begin(), change.end(), change.begin());
+  Hypothesis best{anchor, 0, 0};
   for (int bin = 0; bin < kRotationBins; ++bin) {
-    votes += change[static_cast<std::size_t>(bin)];
-    if (votes > best.votes) {
-      best = {anchor, (bin + 0.5) / bins_per_radian - std::numbers::pi, votes};
-    }
+    const auto b = static_cast<std::size_t>(bin);
+    const int votes = change[b] + change[b + kRotationBins];
+    if (votes > best.votes) best = {anchor, bin, votes};
   }
   return best;
 }
 
 Fitted by_voting(const std::vector<Matched>& points, std::span<const KeypointMatch> matches,
-                 double radius) {
+                 const Tolerance& tolerance) {
   std::vector<Hypothesis> hypotheses;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Hypothesis h = vote(i, points, radius);
+    const Hypothesis h = vote(i, points, tolerance);
     if (h.votes > 0) hypotheses.push_back(h);
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(),
@@ -165,14 +188,47 @@ Fitted by_voting(const std::vector<Matched>& points, std::span<const KeypointMat
     if (tried == kHypotheses || h.votes + 1 <= static_cast<int>(best.inliers.size())) break;
     if (explained[h.anchor]) continue;
     ++tried;
-    PlanarTransform T;
-    T.angle = h.angle;
-    T.translation = points[h.anchor].query - rotation_matrix(T) * points[h.anchor].reference;
-    Fitted fitted = refine(T, 2 * radius, points, matches, radius);
+    std::vector<std::size_t> voters{h.anchor};
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      if (j == h.anchor) continue;
+      if (allowed_rotations(points[h.anchor], points[j], tolerance).holds(h.bin)) {
+        voters.push_back(j);
+      }
+    }
+    Fitted fitted = refine(fit(points, voters), 2 * tolerance.radius, points, matches, tolerance);
     for (const std::size_t i : fitted.inliers) explained[i] = true;
     if (fitted.inliers.size() > best.inliers.size()) best = std::move(fitted);
   }
   return best;
+}
+
+// Every pair of keypoints within twice the radius under T, with similar descriptors: what a search
+// over the whole database missed or could not afford.
+std::vector<KeypointMatch> matches_under(const PlanarTransform& T, const MapDescription& query,
+                                         const MapDescription& reference, double radius,
+                                         int max_distance) {
+  // Query keypoints in order of x, so that those near a position are a short run.
+  std::vector<std::pair<float, std::uint32_t>> by_x;
+  for (std::uint32_t i = 0; i < query.keypoints.size(); ++i) {
+    by_x.emplace_back(query.keypoints[i].x(), i);
+  }
+  std::sort(by_x.begin(), by_x.end());
+  const Eigen::Matrix2f R = rotation_matrix(T).cast<float>();
+  const Eigen::Vector2f t = T.translation.cast<float>();
+  const auto reach = static_cast<float>(2 * radius);
+  std::vector<KeypointMatch> result;
+  for (std::uint32_t r = 0; r < reference.keypoints.size(); ++r) {
+    const Eigen::Vector2f p = R * reference.keypoints[r] + t;
+    auto it = std::lower_bound(by_x.begin(), by_x.end(),
+                               std::pair<float, std::uint32_t>(p.x() - reach, 0));
+    for (; it != by_x.end() && it->first <= p.x() + reach; ++it) {
+      if ((query.keypoints[it->second] - p).squaredNorm() > reach * reach) continue;
+      const int distance =
+          hamming_distance(query.descriptors[it->second], reference.descriptors[r]);
+      if (distance <= max_distance) result.push_back({it->second, r, distance});
+    }
+  }
+  return result;
 }
 
 // splitmix64: a generator that is the same everywhere.
@@ -192,14 +248,14 @@ class Random {
 };
 
 Fitted by_ransac(const std::vector<Matched>& points, std::span<const KeypointMatch> matches,
-                 const ConsensusOptions& options, std::uint64_t seed) {
+                 const ConsensusOptions& options, const Tolerance& tolerance, std::uint64_t seed) {
   const std::size_t n = points.size();
   const std::size_t trials = ransac_trials(n, 6, options.miss_probability);
   const std::size_t pairs = n * (n - 1) / 2;
   std::vector<std::size_t> best;
   const auto attempt = [&](std::size_t i, std::size_t j) {
     const PlanarTransform T = fit(points, {i, j});
-    std::vector<std::size_t> inliers = inliers_of(T, points, matches, options.inlier_radius);
+    std::vector<std::size_t> inliers = inliers_of(T, points, matches, tolerance);
     if (inliers.size() > best.size()) best = std::move(inliers);
   };
   if (pairs <= trials) {
@@ -214,7 +270,7 @@ Fitted by_ransac(const std::vector<Matched>& points, std::span<const KeypointMat
     }
   }
   if (best.size() < 2) return {};
-  return refine(fit(points, best), options.inlier_radius, points, matches, options.inlier_radius);
+  return refine(fit(points, best), tolerance.radius, points, matches, tolerance);
 }
 
 }  // namespace
@@ -232,10 +288,22 @@ Consensus find_consensus(const MapDescription& query, const MapDescription& refe
                          std::uint64_t seed) {
   Consensus result;
   if (matches.size() < 2) return result;
-  const std::vector<Matched> points = positions(query, reference, matches);
-  const Fitted fitted = options.method == "ransac"
-                            ? by_ransac(points, matches, options, seed)
-                            : by_voting(points, matches, options.inlier_radius);
+  const Tolerance tolerance{options.inlier_radius,
+                            options.orientation_gate_deg * std::numbers::pi / 180};
+  std::vector<Matched> points = positions(query, reference, matches);
+  Fitted fitted = options.method == "ransac" ? by_ransac(points, matches, options, tolerance, seed)
+                                             : by_voting(points, matches, tolerance);
+  std::vector<KeypointMatch> guided;
+  if (options.guided_bits > 0 && fitted.inliers.size() >= 2) {
+    guided = matches_under(fitted.T, query, reference, options.inlier_radius, options.guided_bits);
+    points = positions(query, reference, guided);
+    Fitted again = refine(fitted.T, options.inlier_radius, points, guided,
+                          {options.guided_radius, tolerance.turn});
+    if (again.inliers.size() >= fitted.inliers.size()) {
+      fitted = std::move(again);
+      matches = guided;
+    }
+  }
   result.T_query_reference = fitted.T;
   for (const std::size_t i : fitted.inliers) result.inliers.push_back(matches[i]);
   return result;

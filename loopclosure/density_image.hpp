@@ -32,8 +32,9 @@ struct DensityImage {
   }
 };
 
-/// Counts scaled from their least to their greatest over the occupied cells, to 0..255; pixels of a
-/// relative density under options.min_density are zero. Where all counts are equal, occupied cells
+/// Counts scaled from their least to their greatest over the occupied cells, to 0..255, where the
+/// greatest is the quantile options.saturation; pixels of a relative density under
+/// options.min_density are zero. Where all counts are equal, occupied cells
 /// are full. No usable point: an empty image.
 [[nodiscard]] DensityImage make_density_image(const Points& map_points, const Pose& T_ground_map,
                                               const DensityImageOptions& options);

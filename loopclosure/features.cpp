@@ -44,9 +44,16 @@ Features extract_features(const DensityImage& image, const FeatureOptions& optio
   // OpenCV does not write to its input.
   const cv::Mat view(image.height, image.width, CV_8UC1,
                      const_cast<std::uint8_t*>(image.pixels.data()));
+  cv::Mat bordered = view;
+  if (options.border_px > 0) {
+    const int b = options.border_px;
+    bordered = cv::Mat::zeros(image.height + 2 * b, image.width + 2 * b, CV_8UC1);
+    view.copyTo(bordered(cv::Rect(b, b, image.width, image.height)));
+  }
+  const auto border = static_cast<float>(options.border_px);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat bytes;
-  detect(view, options, keypoints, bytes);
+  detect(bordered, options, keypoints, bytes);
   if (keypoints.empty()) return result;
   std::vector<Descriptor> descriptors(keypoints.size());
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
@@ -58,7 +65,8 @@ Features extract_features(const DensityImage& image, const FeatureOptions& optio
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     if (!keep[i]) continue;
     // Rows grow along y, so OpenCV's angle from columns to rows is that from x to y.
-    result.keypoints.push_back(image.to_metres(keypoints[i].pt.x, keypoints[i].pt.y));
+    result.keypoints.push_back(
+        image.to_metres(keypoints[i].pt.x - border, keypoints[i].pt.y - border));
     result.orientations.push_back(keypoints[i].angle * static_cast<float>(M_PI / 180.0));
     result.descriptors.push_back(descriptors[i]);
   }

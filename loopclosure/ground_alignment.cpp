@@ -13,7 +13,8 @@ namespace groundloop {
 namespace {
 
 constexpr float kMaxExtent = 512.0F;             // m along x and y; the sampling grid stays bounded
-constexpr std::size_t kDirectionSamples = 4000;  // normals that candidate directions are sought in
+constexpr std::size_t kDirectionSamples = 2000;  // normals that candidate directions are sought in
+constexpr std::size_t kMaxPoints = 100000;       // a plane needs no more
 constexpr std::size_t kMaxCandidates = 6;
 constexpr std::size_t kMinGroundCells = 20;
 constexpr double kStopStep = 1e-6;  // m and rad
@@ -229,7 +230,7 @@ GroundAlignment without_ground(const VoxelNormals& voxels, LowestVoxels& grid) {
 }  // namespace
 
 GroundAlignment align_to_ground(const Points& map_points, const GroundAlignmentOptions& options) {
-  const VoxelNormals voxels(map_points, options.cell_size);
+  const VoxelNormals voxels(map_points, options.cell_size, kMaxPoints);
   LowestVoxels grid(voxels, options.cell_size);
   Hypothesis best;
   for (const Candidate& candidate : candidate_directions(voxels, options.normal_gate)) {

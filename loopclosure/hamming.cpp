@@ -7,20 +7,35 @@
 namespace groundloop {
 namespace {
 
-void distances_portable(const Descriptor& query, const Descriptor* stored, std::size_t count,
-                        std::uint16_t* distances) {
+// Stored descriptors may lie anywhere in memory; those a few steps ahead are fetched meanwhile.
+constexpr std::size_t kAhead = 8;
+
+inline void prefetch(const Descriptor* stored, const std::uint32_t* ids, std::size_t i,
+                     std::size_t count) {
+  if (ids != nullptr && i + kAhead < count) __builtin_prefetch(&stored[ids[i + kAhead]]);
+}
+
+inline const Descriptor& pick(const Descriptor* stored, const std::uint32_t* ids, std::size_t i) {
+  return stored[ids == nullptr ? i : ids[i]];
+}
+
+void distances_portable(const Descriptor& query, const Descriptor* stored, const std::uint32_t* ids,
+                        std::size_t count, std::uint16_t* distances) {
   for (std::size_t i = 0; i < count; ++i) {
-    distances[i] = static_cast<std::uint16_t>(hamming_distance(query, stored[i]));
+    prefetch(stored, ids, i, count);
+    distances[i] = static_cast<std::uint16_t>(hamming_distance(query, pick(stored, ids, i)));
   }
 }
 
 #if defined(__x86_64__)
 
 __attribute__((target("popcnt"))) void distances_popcnt(const Descriptor& query,
-                                                        const Descriptor* stored, std::size_t count,
+                                                        const Descriptor* stored,
+                                                        const std::uint32_t* ids, std::size_t count,
                                                         std::uint16_t* distances) {
   for (std::size_t i = 0; i < count; ++i) {
-    const Descriptor& d = stored[i];
+    prefetch(stored, ids, i, count);
+    const Descriptor& d = pick(stored, ids, i);
     const long long bits = _mm_popcnt_u64(query[0] ^ d[0]) + _mm_popcnt_u64(query[1] ^ d[1]) +
                            _mm_popcnt_u64(query[2] ^ d[2]) + _mm_popcnt_u64(query[3] ^ d[3]);
     distances[i] = static_cast<std::uint16_t>(bits);
@@ -29,15 +44,18 @@ __attribute__((target("popcnt"))) void distances_popcnt(const Descriptor& query,
 
 // One 256-bit register a descriptor: nibbles counted by table look-up, summed to 64-bit lanes.
 __attribute__((target("avx2"))) void distances_avx2(const Descriptor& query,
-                                                    const Descriptor* stored, std::size_t count,
+                                                    const Descriptor* stored,
+                                                    const std::uint32_t* ids, std::size_t count,
                                                     std::uint16_t* distances) {
   const __m256i table = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2,
                                          1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
   const __m256i low = _mm256_set1_epi8(0x0f);
   const __m256i q = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(query.data()));
   for (std::size_t i = 0; i < count; ++i) {
+    prefetch(stored, ids, i, count);
+    const Descriptor& d = pick(stored, ids, i);
     const __m256i x =
-        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(stored[i].data())));
+        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(d.data())));
     const __m256i bytes =
         _mm256_add_epi8(_mm256_shuffle_epi8(table, _mm256_and_si256(x, low)),
                         _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(x, 4), low)));
@@ -50,12 +68,14 @@ __attribute__((target("avx2"))) void distances_avx2(const Descriptor& query,
 }
 
 __attribute__((target("avx512f,avx512vl,avx512vpopcntdq"))) void distances_avx512(
-    const Descriptor& query, const Descriptor* stored, std::size_t count,
+    const Descriptor& query, const Descriptor* stored, const std::uint32_t* ids, std::size_t count,
     std::uint16_t* distances) {
   const __m256i q = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(query.data()));
   for (std::size_t i = 0; i < count; ++i) {
+    prefetch(stored, ids, i, count);
+    const Descriptor& d = pick(stored, ids, i);
     const __m256i x =
-        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(stored[i].data())));
+        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(d.data())));
     const __m256i sums = _mm256_popcnt_epi64(x);
     const __m128i halves =
         _mm_add_epi64(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
@@ -83,8 +103,13 @@ std::vector<HammingKernel> hamming_kernels() {
 
 void hamming_distances(const Descriptor& query, const Descriptor* stored, std::size_t count,
                        std::uint16_t* distances) {
+  hamming_distances_at(query, stored, nullptr, count, distances);
+}
+
+void hamming_distances_at(const Descriptor& query, const Descriptor* stored,
+                          const std::uint32_t* ids, std::size_t count, std::uint16_t* distances) {
   static const auto best = hamming_kernels().back().distances;
-  best(query, stored, count, distances);
+  best(query, stored, ids, count, distances);
 }
 
 }  // namespace groundloop

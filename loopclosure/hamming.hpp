@@ -25,11 +25,15 @@ namespace groundloop {
 /// Distances of `query` to `count` stored descriptors, written to `distances`.
 void hamming_distances(const Descriptor& query, const Descriptor* stored, std::size_t count,
                        std::uint16_t* distances);
+/// The same to stored[ids[0]], stored[ids[1]], ...
+void hamming_distances_at(const Descriptor& query, const Descriptor* stored,
+                          const std::uint32_t* ids, std::size_t count, std::uint16_t* distances);
 
-/// A way to compute them; "portable" always works.
+/// A way to compute them; "portable" always works. Null ids stand for 0, 1, 2, ...
 struct HammingKernel {
   std::string_view name;
-  void (*distances)(const Descriptor&, const Descriptor*, std::size_t, std::uint16_t*);
+  void (*distances)(const Descriptor& query, const Descriptor* stored, const std::uint32_t* ids,
+                    std::size_t count, std::uint16_t* distances);
 };
 /// The kernels this processor can run, slowest first; for tests and benchmarks.
 [[nodiscard]] std::vector<HammingKernel> hamming_kernels();

@@ -22,10 +22,15 @@ std::uint64_t seed_of(const MapKey& a, const MapKey& b) {
   return seed;
 }
 
+HammingForest make_forest(const MatchingOptions& options) {
+  return HammingForest(static_cast<std::size_t>(options.method == "tree" ? 1 : options.trees),
+                       static_cast<std::size_t>(options.leaf_size));
+}
+
 }  // namespace
 
 LoopDatabase::LoopDatabase(const LoopClosureOptions& options)
-    : options_(options), tree_(static_cast<std::size_t>(options.matching.leaf_size)) {}
+    : options_(options), forest_(make_forest(options.matching)) {}
 
 void LoopDatabase::insert(MapDescription description) {
   check(description.keypoints.size() == description.descriptors.size(),
@@ -40,13 +45,13 @@ void LoopDatabase::insert(MapDescription description) {
 void LoopDatabase::insert_features(std::uint32_t index) {
   const std::vector<Descriptor>& descriptors = descriptions_[index].descriptors;
   for (std::size_t i = 0; i < descriptors.size(); ++i) {
-    tree_.insert(descriptors[i], static_cast<std::uint32_t>(origins_.size()));
+    forest_.insert(descriptors[i]);
     origins_.push_back({index, static_cast<std::uint32_t>(i)});
   }
 }
 
 void LoopDatabase::rebuild() {
-  tree_ = HammingTree(static_cast<std::size_t>(options_.matching.leaf_size));
+  forest_ = make_forest(options_.matching);
   origins_.clear();
   for (std::size_t i = 0; i < descriptions_.size(); ++i) {
     insert_features(static_cast<std::uint32_t>(i));
@@ -85,10 +90,10 @@ std::vector<std::vector<KeypointMatch>> LoopDatabase::match(const MapDescription
   for (std::size_t m = 0; m < descriptions_.size(); ++m) {
     candidate[m] = is_candidate(descriptions_[m].key, query.key);
   }
-  std::vector<HammingTree::Match> found;
+  std::vector<HammingForest::Match> found;
   for (std::uint32_t q = 0; q < query.descriptors.size(); ++q) {
-    tree_.search(query.descriptors[q], bound, found);
-    for (const HammingTree::Match& f : found) {
+    forest_.search(query.descriptors[q], bound, found);
+    for (const HammingForest::Match& f : found) {
       const Origin& origin = origins_[f.id];
       if (candidate[origin.description]) {
         matches[origin.description].push_back({q, origin.keypoint, f.distance});
@@ -96,6 +101,23 @@ std::vector<std::vector<KeypointMatch>> LoopDatabase::match(const MapDescription
     }
   }
   return matches;
+}
+
+std::vector<std::size_t> LoopDatabase::most_matched(
+    const std::vector<std::vector<KeypointMatch>>& matches, std::size_t least) const {
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < matches.size(); ++m) {
+    if (matches[m].size() >= least) order.push_back(m);
+  }
+  const auto limit = static_cast<std::size_t>(options_.matching.max_references);
+  if (order.size() > limit) {
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return matches[a].size() != matches[b].size() ? matches[a].size() > matches[b].size()
+                                                    : descriptions_[a].key < descriptions_[b].key;
+    });
+    order.resize(limit);
+  }
+  return order;
 }
 
 std::vector<ClosureCandidate> LoopDatabase::query(const MapDescription& query,
@@ -106,8 +128,7 @@ std::vector<ClosureCandidate> LoopDatabase::query(const MapDescription& query,
   const auto least = static_cast<std::size_t>(options_.consensus.min_inliers);
   std::vector<ClosureCandidate> candidates;
   const Pose T_query_ground = query.T_ground_map.inverse();
-  for (std::size_t m = 0; m < descriptions_.size(); ++m) {
-    if (matches[m].size() < least) continue;
+  for (const std::size_t m : most_matched(matches, least)) {
     const MapDescription& reference = descriptions_[m];
     const Consensus consensus = find_consensus(query, reference, matches[m], options_.consensus,
                                                seed_of(reference.key, query.key));

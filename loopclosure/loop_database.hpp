@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "loopclosure/consensus.hpp"
-#include "loopclosure/hamming_tree.hpp"
+#include "loopclosure/hamming_forest.hpp"
 #include "loopclosure/loop_closure.hpp"
 #include "loopclosure/options.hpp"
 
@@ -18,7 +18,7 @@ class LoopDatabase {
  public:
   explicit LoopDatabase(const LoopClosureOptions& options);
 
-  /// Adds a map; its key must be new. Its features enter the tree.
+  /// Adds a map; its key must be new. Its features enter the forest.
   void insert(MapDescription description);
 
   /// Candidates for `query`, sorted by the reference's key: every map of another session, and of
@@ -37,7 +37,7 @@ class LoopDatabase {
   /// Removes all maps of a session.
   void remove_session(int session);
 
-  /// Writes the descriptions, versioned and with a checksum; the tree follows from them.
+  /// Writes the descriptions, versioned and with a checksum; the forest follows from them.
   void save(const std::filesystem::path& file) const;
   /// Throws InputError where the file is no loop database, of another version, or damaged.
   [[nodiscard]] static LoopDatabase load(const std::filesystem::path& file,
@@ -45,13 +45,16 @@ class LoopDatabase {
 
  private:
   [[nodiscard]] bool is_candidate(const MapKey& reference, const MapKey& query) const;
+  /// Descriptions with at least `least` matches; where there are too many, those with the most.
+  [[nodiscard]] std::vector<std::size_t> most_matched(
+      const std::vector<std::vector<KeypointMatch>>& matches, std::size_t least) const;
   void insert_features(std::uint32_t index);
   void rebuild();
 
   LoopClosureOptions options_;
   std::vector<MapDescription> descriptions_;
-  HammingTree tree_;
-  /// For each feature in the tree: its description and its place there.
+  HammingForest forest_;
+  /// For each feature in the forest: its description and its place there.
   struct Origin {
     std::uint32_t description, keypoint;
   };

@@ -34,6 +34,7 @@ struct GroundAlignmentOptions {
 struct DensityImageOptions {
   double resolution = 0.5;
   double min_density = 0.05;
+  double saturation = 0.999;
   double max_extent = 256.0;
 
   template <typename Self, typename Visitor>
@@ -41,25 +42,32 @@ struct DensityImageOptions {
     field("resolution", self.resolution, Range{0.05, 10.0}, "m", "edge of a pixel");
     field("min_density", self.min_density, Range{0.0, 0.9}, "",
           "relative density below which a pixel is empty, against moving objects");
+    field("saturation", self.saturation, Range{0.5, 1.0}, "",
+          "quantile of the occupied cells that is shown full, so that one tower does not dim the "
+          "rest; 1 is the paper's greatest count");
     field("max_extent", self.max_extent, Range{10.0, 1000.0}, "m",
           "points farther than this from the map's origin along x or y are left out");
   }
 };
 
 struct FeatureOptions {
-  int max_features = 500;
-  int fast_threshold = 35;
+  int max_features = 800;
+  int fast_threshold = 25;
   int edge_px = 31;
   int patch_px = 31;
+  int border_px = 31;
   bool pruning = true;
   int pruning_bits = 35;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("max_features", self.max_features, Range{1, 10000}, "", "strongest corners kept");
+    field("max_features", self.max_features, Range{1, 10000}, "",
+          "strongest corners kept (the published system: 500)");
     field("fast_threshold", self.fast_threshold, Range{1, 254}, "",
-          "grey-level difference of a corner (the published system's)");
+          "grey-level difference of a corner (the published system: 35)");
     field("edge_px", self.edge_px, Range{0, 200}, "px", "margin of the image without corners");
+    field("border_px", self.border_px, Range{0, 200}, "px",
+          "empty border put around the image first, so that structure at its rim has features");
     field("patch_px", self.patch_px, Range{9, 63}, "px", "patch a descriptor is computed from");
     field("pruning", self.pruning, OnOff{}, "",
           "self-similarity pruning against repetitive structure");
@@ -69,17 +77,22 @@ struct FeatureOptions {
 };
 
 struct MatchingOptions {
-  std::string method = "tree";
+  std::string method = "forest";
+  int trees = 16;
+  int max_references = 500;
   int max_distance_bits = 50;
   int leaf_size = 100;
   int skipped_maps = 3;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("method", self.method, Choices{"tree", "exhaustive"}, "",
-          "how stored descriptors are searched");
+    field("method", self.method, Choices{"forest", "tree", "exhaustive"}, "",
+          "how stored descriptors are searched; tree is the paper's");
     field("max_distance_bits", self.max_distance_bits, Range{0, 256}, "bits",
           "descriptors farther apart do not match");
+    field("trees", self.trees, Range{1, 64}, "", "trees of the forest, each on bits of its own");
+    field("max_references", self.max_references, Range{1, 1000000}, "",
+          "maps of a large database, those with the most matches, that consensus is sought with");
     field("leaf_size", self.leaf_size, Range{2, 10000}, "",
           "descriptors a leaf of the tree holds before it is split");
     field("skipped_maps", self.skipped_maps, Range{0, 1000}, "",
@@ -92,6 +105,9 @@ struct ConsensusOptions {
   double inlier_radius = 1.5;
   int min_inliers = 3;
   double miss_probability = 1e-3;
+  double orientation_gate_deg = 15.0;
+  int guided_bits = 55;
+  double guided_radius = 1.0;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -103,6 +119,13 @@ struct ConsensusOptions {
           "candidates with fewer are not reported");
     field("miss_probability", self.miss_probability, Range{1e-9, 0.5}, "",
           "ransac: bound on the probability of missing six inliers");
+    field("orientation_gate_deg", self.orientation_gate_deg, Range{1.0, 180.0}, "deg",
+          "inliers turn with the alignment to within this; 180 leaves orientations out");
+    field("guided_bits", self.guided_bits, Range{0, 256}, "bits",
+          "keypoints that meet under the alignment count where their descriptors are this near; 0 "
+          "counts tentative matches only, as the paper does");
+    field("guided_radius", self.guided_radius, Range{0.1, 100.0}, "m",
+          "distance within which keypoints meet");
   }
 };
 

@@ -1,8 +1,11 @@
 #include "loopclosure/voxel_normals.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+
+#include "frontend/core/voxel_table.hpp"
 
 namespace groundloop {
 namespace {
@@ -18,68 +21,27 @@ bool usable(const Eigen::Vector3f& p) {
          std::abs(p.z()) < kMaxCoordinate;
 }
 
-// Open addressing from a voxel's key to its index.
-class KeyTable {
- public:
-  explicit KeyTable(std::size_t expected) {
-    std::size_t capacity = 1024;
-    while (capacity < 2 * expected) capacity *= 2;
-    slots_.assign(capacity, Slot{});
-  }
-  // The index stored for `key`, or `next` after storing it.
-  std::uint32_t find_or_insert(std::uint64_t key, std::uint32_t next) {
-    if (2 * next >= slots_.size()) grow();
-    Slot& slot = find(key);
-    if (slot.index == kEmpty) slot = {key, next};
-    return slot.index;
-  }
-
- private:
-  static constexpr std::uint32_t kEmpty = 0xffffffffU;
-  struct Slot {
-    std::uint64_t key = 0;
-    std::uint32_t index = kEmpty;
-  };
-  Slot& find(std::uint64_t key) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t i = (key * 0x9e3779b97f4a7c15ULL) >> 20;
-    while (slots_[i & mask].index != kEmpty && slots_[i & mask].key != key) ++i;
-    return slots_[i & mask];
-  }
-  void grow() {
-    std::vector<Slot> old(2 * slots_.size());
-    old.swap(slots_);
-    for (const Slot& slot : old) {
-      if (slot.index != kEmpty) find(slot.key) = slot;
-    }
-  }
-  std::vector<Slot> slots_;
-};
-
 }  // namespace
 
-VoxelNormals::VoxelNormals(const Points& points, double size) {
+VoxelNormals::VoxelNormals(const Points& points, double size, std::size_t max_points) {
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
   const auto inverse = static_cast<float>(1.0 / size);
   const auto edge = static_cast<float>(size);
-  KeyTable table(points.size() / 8);
+  VoxelTable table(points.size() / 8);
   std::vector<Eigen::Vector3f> corners;
-  std::uint64_t last_key = ~0ULL;  // no key has its upper bit set
+  VoxelKey last_key = ~VoxelKey{0};  // no key has its upper bit set
   std::uint32_t index = 0;
-  for (const Eigen::Vector3f& p : points) {
+  for (std::size_t n = 0; n < points.size(); n += stride) {
+    const Eigen::Vector3f& p = points[n];
     if (!usable(p)) continue;
-    const auto i = static_cast<std::int64_t>(std::floor(p.x() * inverse));
-    const auto j = static_cast<std::int64_t>(std::floor(p.y() * inverse));
-    const auto k = static_cast<std::int64_t>(std::floor(p.z() * inverse));
-    constexpr std::int64_t kOffset = 1 << 20;
-    const std::uint64_t key = (static_cast<std::uint64_t>(i + kOffset) << 42) |
-                              (static_cast<std::uint64_t>(j + kOffset) << 21) |
-                              static_cast<std::uint64_t>(k + kOffset);
+    const Eigen::Vector3i voxel = voxel_of(p, inverse);
+    const VoxelKey key = voxel_key(voxel);
     if (key != last_key) {
-      index = table.find_or_insert(key, static_cast<std::uint32_t>(moments_.size()));
-      if (index == moments_.size()) {
+      const auto fresh = static_cast<std::uint32_t>(moments_.size());
+      index = table.find_or_insert(key, fresh);
+      if (index == fresh) {
         moments_.emplace_back();
-        corners.emplace_back(static_cast<float>(i) * edge, static_cast<float>(j) * edge,
-                             static_cast<float>(k) * edge);
+        corners.push_back(voxel.cast<float>() * edge);
       }
       last_key = key;
     }

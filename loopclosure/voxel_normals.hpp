@@ -15,8 +15,9 @@ namespace groundloop {
 
 class VoxelNormals {
  public:
-  /// Voxels of edge `size` (m). Points that are not finite or beyond 10 km are left out.
-  VoxelNormals(const Points& points, double size);
+  /// Voxels of edge `size` (m) from about `max_points` points, taken at a fixed stride. Points that
+  /// are not finite or beyond 10 km are left out.
+  VoxelNormals(const Points& points, double size, std::size_t max_points);
 
   [[nodiscard]] std::size_t size() const { return means_.size(); }
   /// Means of the voxels' points, in the order their first points came.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -29,6 +30,9 @@ struct Scene {
     query.orientations.push_back(static_cast<float>(orientation + turn));
     reference.keypoints.push_back(r.cast<float>());
     reference.orientations.push_back(static_cast<float>(orientation));
+    query.descriptors.push_back({rng(), rng(), rng(), rng()});
+    reference.descriptors.push_back(query.descriptors.back());
+    reference.descriptors.back()[0] ^= (1U << 20) - 1;
     matches.push_back({index, index, 20});
   }
   void add_inliers(int count, const PlanarTransform& T, double noise) {
@@ -102,6 +106,8 @@ TEST_P(ConsensusMethod, CountsAKeypointOnce) {
   for (std::uint32_t i = 0; i < 8; ++i) {
     scene.query.keypoints.push_back(scene.query.keypoints[i] + Eigen::Vector2f(0.4F, 0.0F));
     scene.query.orientations.push_back(scene.query.orientations[i]);
+    scene.query.descriptors.push_back(scene.query.descriptors[i]);
+    scene.query.descriptors.back()[1] ^= (1U << 25) - 1;
     doubled.push_back({8 + i, i, 45});
   }
   const Consensus c = find_consensus(scene.query, scene.reference, doubled, options(), 1);
@@ -124,6 +130,29 @@ TEST_P(ConsensusMethod, DegenerateMatchesHaveDefinedResults) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, ConsensusMethod, ::testing::Values("voting", "ransac"));
 
+TEST(Consensus, CountsWhatTheSearchMissedWhereItMeetsUnderTheAlignment) {
+  Scene scene(9);
+  const PlanarTransform T{0.4, {-12, 30}};
+  scene.add_inliers(40, T, 0.3);
+  // The search found eight of forty.
+  const std::span<const KeypointMatch> found(scene.matches.data(), 8);
+  EXPECT_EQ(find_consensus(scene.query, scene.reference, found, {}).inliers.size(), 40U);
+  ConsensusOptions unguided;
+  unguided.guided_bits = 0;
+  EXPECT_EQ(find_consensus(scene.query, scene.reference, found, unguided).inliers.size(), 8U);
+}
+
+TEST(Consensus, KeypointsThatTurnOtherwiseAreNoInliers) {
+  Scene scene(10);
+  const PlanarTransform T{0.4, {-12, 30}};
+  scene.add_inliers(10, T, 0.3);
+  for (std::size_t i = 0; i < 4; ++i) scene.query.orientations[i] += 1.0F;
+  EXPECT_EQ(find_consensus(scene.query, scene.reference, scene.matches, {}).inliers.size(), 6U);
+  ConsensusOptions blind;
+  blind.orientation_gate_deg = 180;
+  EXPECT_EQ(find_consensus(scene.query, scene.reference, scene.matches, blind).inliers.size(), 10U);
+}
+
 TEST(Consensus, VotingNeverHasFewerInliersThanTheConstructedSet) {
   // Sets at the very edge of the radius, among many matches, in every direction.
   for (std::uint64_t seed = 100; seed < 130; ++seed) {
@@ -131,8 +160,12 @@ TEST(Consensus, VotingNeverHasFewerInliersThanTheConstructedSet) {
     const PlanarTransform T{static_cast<double>(seed), {-30, 10}};
     scene.add_inliers(6, T, 0.9);
     scene.add_outliers(200);
-    const Consensus c = find_consensus(scene.query, scene.reference, scene.matches, {});
-    EXPECT_GE(c.inliers.size(), 6U) << seed;
+    for (const int guided_bits : {0, 55}) {
+      ConsensusOptions options;
+      options.guided_bits = guided_bits;
+      const Consensus c = find_consensus(scene.query, scene.reference, scene.matches, options);
+      EXPECT_GE(c.inliers.size(), 6U) << seed;
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "loopclosure/hamming.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -31,10 +32,17 @@ TEST(Hamming, EveryKernelCountsDifferingBits) {
   stored.push_back({~query[0], ~query[1], ~query[2], ~query[3]});
   for (const HammingKernel& kernel : hamming_kernels()) {
     std::vector<std::uint16_t> distances(stored.size());
-    kernel.distances(query, stored.data(), stored.size(), distances.data());
+    kernel.distances(query, stored.data(), nullptr, stored.size(), distances.data());
     for (std::size_t i = 0; i < stored.size(); ++i) {
       EXPECT_EQ(distances[i], bit_by_bit(query, stored[i])) << kernel.name << ", " << i;
     }
+    std::vector<std::uint32_t> backwards;
+    for (std::uint32_t i = 0; i < stored.size(); ++i) {
+      backwards.push_back(static_cast<std::uint32_t>(stored.size()) - 1 - i);
+    }
+    std::vector<std::uint16_t> gathered(stored.size());
+    kernel.distances(query, stored.data(), backwards.data(), stored.size(), gathered.data());
+    EXPECT_TRUE(std::equal(gathered.rbegin(), gathered.rend(), distances.begin())) << kernel.name;
     EXPECT_EQ(distances[67], 0) << kernel.name;
     EXPECT_EQ(distances[68], 256) << kernel.name;
   }

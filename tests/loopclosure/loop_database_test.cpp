@@ -177,12 +177,23 @@ TEST(LoopDatabase, QueriesWithoutFeaturesOrDatabaseHaveNoCandidates) {
   EXPECT_TRUE(database.query(MapDescription{}).empty());
 }
 
-TEST(DescribeMap, DegenerateMapsHaveNoFeatures) {
-  for (const Points& points : {Points{}, Points{{1, 1, 1}}, Points(500, Eigen::Vector3f(1, 1, 1)),
-                               Points{{1e9F, 0, 0}, {0, 0, 0}}}) {
+TEST(DescribeMap, WithoutUsablePointsHasNoFeatures) {
+  for (const Points& points : {Points{}, Points{{1e9F, 0, 0}, {0, -1e9F, 0}}}) {
     const MapDescription d = describe_map({0, 0}, points, {});
     EXPECT_TRUE(d.descriptors.empty());
     EXPECT_TRUE(d.keypoints.empty());
+  }
+}
+
+TEST(DescribeMap, OneOccupiedCellHasFeaturesThereOrNone) {
+  for (const Points& points : {Points{{1, 1, 1}}, Points(500, Eigen::Vector3f(1, 1, 1)),
+                               Points{{1e9F, 0, 0}, {1, 1, 0}}}) {
+    const MapDescription d = describe_map({0, 0}, points, {});
+    EXPECT_EQ(d.descriptors.size(), d.keypoints.size());
+    EXPECT_EQ(d.orientations.size(), d.keypoints.size());
+    for (const Eigen::Vector2f& p : d.keypoints) {
+      EXPECT_LT((p - Eigen::Vector2f(1, 1)).norm(), 1.0F);
+    }
   }
 }
 
