@@ -7,6 +7,7 @@ void add_evaluate_command(CLI::App& app, Context& context) {
       app.add_subcommand("evaluate", "compare a trajectory or closures with a reference");
   group->require_subcommand(1);
   add_evaluate_trajectory_command(*group, context);
+  add_evaluate_closures_command(*group, context);
 }
 
 }  // namespace groundloop::apps
