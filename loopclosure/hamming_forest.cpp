@@ -70,12 +70,14 @@ void HammingForest::split(std::size_t tree_index, std::uint32_t node) {
   if (one_large) split(tree_index, child + 1);
 }
 
-void HammingForest::search(const Descriptor& query, int max_distance,
-                           std::vector<Match>& matches) const {
+void HammingForest::search(const Descriptor& query, int max_distance, std::vector<Match>& matches,
+                           std::size_t trees) const {
   matches.clear();
+  const std::size_t searched = trees == 0 ? trees_.size() : std::min(trees, trees_.size());
   constexpr std::size_t kChunk = 128;
   std::array<std::uint16_t, kChunk> distances;
-  for (const Tree& tree : trees_) {
+  for (std::size_t t = 0; t < searched; ++t) {
+    const Tree& tree = trees_[t];
     const std::vector<std::uint32_t>& ids =
         tree.leaves[tree.nodes[leaf_node(tree, query)].zero].ids;
     for (std::size_t begin = 0; begin < ids.size(); begin += kChunk) {
@@ -86,7 +88,7 @@ void HammingForest::search(const Descriptor& query, int max_distance,
       }
     }
   }
-  if (trees_.size() == 1) return;  // ids are in order and appear once
+  if (searched == 1) return;  // ids are in order and appear once
   std::sort(matches.begin(), matches.end(),
             [](const Match& a, const Match& b) { return a.id < b.id; });
   matches.erase(std::unique(matches.begin(), matches.end(),

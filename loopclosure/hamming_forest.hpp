@@ -26,9 +26,10 @@ class HammingForest {
     std::uint32_t id = 0;
     int distance = 0;  ///< bits
   };
-  /// The descriptors within `max_distance` in the leaves that `query` reaches, each once, in order
-  /// of their numbers; replaces the contents of `matches`.
-  void search(const Descriptor& query, int max_distance, std::vector<Match>& matches) const;
+  /// The descriptors within `max_distance` in the leaves that `query` reaches in the first `trees`
+  /// trees (0: all), each once, in order of their numbers; replaces the contents of `matches`.
+  void search(const Descriptor& query, int max_distance, std::vector<Match>& matches,
+              std::size_t trees = 0) const;
 
   [[nodiscard]] std::size_t size() const { return descriptors_.size(); }
   /// Of the first tree.

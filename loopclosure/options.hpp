@@ -105,7 +105,7 @@ struct ConsensusOptions {
   double inlier_radius = 1.5;
   int min_inliers = 3;
   double miss_probability = 1e-3;
-  double orientation_gate_deg = 15.0;
+  double orientation_gate_deg = 12.0;
   int guided_bits = 55;
   double guided_radius = 1.0;
 

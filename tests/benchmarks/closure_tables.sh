@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# Runs the claims of the paper on simulated recordings and, where it is given, on the real drive, and
+# writes them as Markdown to standard output.
+#
+#   tests/benchmarks/closure_tables.sh build/release/groundloop WORK_FOLDER [KITTI_FOLDER] > closure_tables.md
+#
+# LENGTH (m, 2500), SEEDS ("21 22 23 24 25", none of them used while tuning), TABLES ("sensors bridge tilt drive").
+# Sessions stay in WORK_FOLDER and are not run again.
+set -eu
+binary=$(realpath "$1") work=$2 drive=${3:-}
+length=${LENGTH:-2500} seeds=${SEEDS:-21 22 23 24 25} tables=${TABLES:-sensors bridge tilt drive}
+mkdir -p "$work"
+
+# session NAME RECORDING [--set KEY=VALUE]...: runs it once, and its evaluation.
+session() {
+  local name=$1 recording=$2
+  shift 2
+  [ -f "$work/$name/manifest.json" ] || "$binary" --quiet run "$recording" --out "$work/$name" "$@" >&2
+  [ -f "$work/$name.json" ] || "$binary" evaluate closures "$work/$name" --json > "$work/$name.json.part"
+  [ -f "$work/$name.json" ] || mv "$work/$name.json.part" "$work/$name.json"
+}
+
+# value FILE PATH...: members of a JSON document by path ("a.b.c"), in a row of Markdown cells; three digits.
+value() {
+  local file=$1
+  shift
+  awk -v wanted="$*" '
+    { line = $0; sub(/^ */, "", line); sub(/,$/, "", line) }
+    match(line, /^"[^"]*": /) {
+      key = substr(line, 2, RLENGTH - 4); rest = substr(line, RLENGTH + 1)
+      if (rest == "{" || rest == "[") { path[++depth] = key; next }
+      name = ""
+      for (i = 1; i <= depth; ++i) if (path[i] != "") name = name path[i] "."
+      found[name key] = rest
+      next
+    }
+    line == "{" || line == "[" { path[++depth] = ""; next }
+    line == "}" || line == "]" { --depth }
+    END {
+      n = split(wanted, keys, " ")
+      for (i = 1; i <= n; ++i) {
+        v = (keys[i] in found) ? found[keys[i]] : "-"
+        if (v == "null") v = "-"
+        else if (v ~ /^-?[0-9]+[.][0-9]/ || v ~ /e-/) v = sprintf("%.3f", v)
+        printf " %s |", v
+      }
+    }' "$file"
+}
+
+row() {
+  local name=$1
+  printf '| %s |' "$name"
+  value "$work/$name.json" reference_closures detector.average_precision detector.recall_at_full_precision \
+    detector.max_f1 detector.at_min_inliers.true_positives detector.at_min_inliers.false_positives \
+    final_graph.true_positives final_graph.false_positives final_graph.misaligned
+  value "$work/$name/metrics.json" ape.odometry.translation_m.rmse ape.optimised.translation_m.rmse
+  printf '\n'
+}
+
+header() {
+  printf '\n## %s\n\n' "$1"
+  echo '| recording | references | AP | R@1 | F1 | detector true | false | graph true | false | misaligned | odometry APE m | APE m |'
+  echo '| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |'
+}
+
+alignment() {
+  printf '\n| recording | closures | initial m | initial deg | refined m | refined deg | absolute m | overlap error |\n'
+  echo '| --- | --- | --- | --- | --- | --- | --- | --- |'
+  for name in "$@"; do
+    printf '| %s |' "$name"
+    value "$work/$name.json" alignment.initial_to_proxy.closures alignment.initial_to_proxy.translation_m.median \
+      alignment.initial_to_proxy.rotation_deg.median alignment.refined_to_proxy.translation_m.median \
+      alignment.refined_to_proxy.rotation_deg.median alignment.refined_absolute.translation_m.median overlap_error.rmse
+    printf '\n'
+  done
+  printf '\n| recording | same: references | found | opposite: references | found | crossing: references | found | other lane: references | found |\n'
+  echo '| --- | --- | --- | --- | --- | --- | --- | --- | --- |'
+  for name in "$@"; do
+    printf '| %s |' "$name"
+    value "$work/$name.json" by_direction.same.references by_direction.same.detected \
+      by_direction.opposite.references by_direction.opposite.detected by_direction.crossing.references \
+      by_direction.crossing.detected by_direction.other_lane.references by_direction.other_lane.detected
+    printf '\n'
+  done
+  printf '\n| recording | local maps | ground alignment s | density image s | features s | matching s | consensus s |\n'
+  echo '| --- | --- | --- | --- | --- | --- | --- |'
+  for name in "$@"; do
+    printf '| %s |' "$name"
+    value "$work/$name/metrics.json" local_maps timing_s.ground_alignment timing_s.density_image timing_s.features \
+      timing_s.matching timing_s.consensus
+    printf '\n'
+  done
+}
+
+# What the paper's Tables 5 and 6 solve: the detector's closures as they are.
+plain="--set closures.verification=false --set pose_graph.robust=false --set revisits.enabled=false"
+
+echo '# Closures: the claims of the paper'
+printf '\nDefinitions: `groundloop evaluate closures --help`. "-" stands where a figure does not exist.\n'
+printf 'Machine: %s cores. Length of simulated ways: %s m.\n' "$(nproc)" "$length"
+
+case $tables in *sensors*)
+  header 'Various LiDARs, town, one configuration'
+  names=
+  for seed in $seeds; do
+    for sensor in spin32 spin64 spin128 raster rosette; do
+      name=town_${sensor}_$seed
+      session "$name" "sim:town?sensor=$sensor&length=$length&seed=$seed"
+      row "$name"
+      names="$names $name"
+    done
+  done
+  alignment $names
+esac
+
+case $tables in *bridge*)
+  header 'Perceptual aliasing: the bridge, there and back, with and without pruning, closures as detected'
+  for seed in $seeds; do
+    session "bridge_pruned_$seed" "sim:bridge?length=$length&seed=$seed" $plain
+    session "bridge_unpruned_$seed" "sim:bridge?length=$length&seed=$seed" $plain --set features.pruning=false
+    session "bridge_$seed" "sim:bridge?length=$length&seed=$seed"
+    row "bridge_pruned_$seed"
+    row "bridge_unpruned_$seed"
+    row "bridge_$seed"
+  done
+esac
+
+case $tables in *tilt*)
+  header 'Non-planar motion: ground alignment on and off'
+  names=
+  for seed in $seeds; do
+    for carrier in walker segway; do
+      for enabled in true false; do
+        name=${carrier}_alignment_${enabled}_$seed
+        session "$name" "sim:town?carrier=$carrier&sensor=spin32&length=$length&seed=$seed" \
+          --set ground_alignment.enabled=$enabled
+        row "$name"
+        names="$names $name"
+      done
+    done
+  done
+  alignment $names
+esac
+
+case $tables in *drive*)
+  if [ -n "$drive" ]; then
+    header 'Real drive (KITTI 00 key frames)'
+    session drive "$drive"
+    session drive_paper "$drive" --set features.max_features=500 --set features.fast_threshold=35 \
+      --set features.border_px=0 --set density_image.saturation=1 --set matching.method=tree \
+      --set consensus.method=ransac --set consensus.orientation_gate_deg=180 --set consensus.guided_bits=0
+    row drive
+    row drive_paper
+    alignment drive drive_paper
+  fi
+esac

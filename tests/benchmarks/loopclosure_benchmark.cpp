@@ -1,0 +1,177 @@
+// The stages of loop closing, one benchmark each, on a made-up town block of 200 000 points, and
+// the database at 10 to 10 000 local maps.
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "loopclosure/consensus.hpp"
+#include "loopclosure/density_image.hpp"
+#include "loopclosure/describe.hpp"
+#include "loopclosure/features.hpp"
+#include "loopclosure/ground_alignment.hpp"
+#include "loopclosure/hamming.hpp"
+#include "loopclosure/loop_database.hpp"
+
+namespace groundloop {
+namespace {
+
+const Points& town() {
+  static const Points points = [] {
+    std::mt19937_64 rng(1);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    Points result;
+    for (int i = 0; i < 100000; ++i) {
+      result.emplace_back(-100 + 200 * unit(rng), -100 + 200 * unit(rng), -1.7F);
+    }
+    while (result.size() < 200000) {
+      const Eigen::Vector2f from(-90 + 180 * unit(rng), -90 + 180 * unit(rng));
+      const float angle = 6.28F * unit(rng), length = 4 + 16 * unit(rng),
+                  height = 2 + 8 * unit(rng);
+      for (int i = 0; i < static_cast<int>(length * height * 20); ++i) {
+        const Eigen::Vector2f p =
+            from + Eigen::Vector2f(std::cos(angle), std::sin(angle)) * length * unit(rng);
+        result.emplace_back(p.x(), p.y(), -1.7F + height * unit(rng));
+      }
+    }
+    return result;
+  }();
+  return points;
+}
+
+void ground_alignment(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(align_to_ground(town(), {}));
+}
+BENCHMARK(ground_alignment)->Unit(benchmark::kMillisecond);
+
+void density_image(benchmark::State& state) {
+  const Pose T = align_to_ground(town(), {}).T_ground_map;
+  for (auto _ : state) benchmark::DoNotOptimize(make_density_image(town(), T, {}));
+}
+BENCHMARK(density_image)->Unit(benchmark::kMillisecond);
+
+void features_and_pruning(benchmark::State& state) {
+  const DensityImage image =
+      make_density_image(town(), align_to_ground(town(), {}).T_ground_map, {});
+  for (auto _ : state) benchmark::DoNotOptimize(extract_features(image, {}));
+}
+BENCHMARK(features_and_pruning)->Unit(benchmark::kMillisecond);
+
+void hamming_kernel(benchmark::State& state) {
+  const HammingKernel kernel = hamming_kernels().at(static_cast<std::size_t>(state.range(0)));
+  state.SetLabel(std::string(kernel.name));
+  std::mt19937_64 rng(2);
+  std::vector<Descriptor> stored(4096);
+  for (Descriptor& d : stored) d = {rng(), rng(), rng(), rng()};
+  std::vector<std::uint16_t> distances(stored.size());
+  for (auto _ : state) {
+    kernel.distances(stored[0], stored.data(), nullptr, stored.size(), distances.data());
+    benchmark::DoNotOptimize(distances.data());
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * 4096);
+}
+BENCHMARK(hamming_kernel)->DenseRange(0, static_cast<int>(hamming_kernels().size()) - 1);
+
+// Descriptors as ORB gives them are far from random: bits follow one another. Maps are made of a
+// common vocabulary of 20 000 words with noise, and a query is map 0 with noise again.
+MapDescription made_up_map(int map, std::mt19937_64& rng, const std::vector<Descriptor>& words) {
+  MapDescription d;
+  d.key = {0, map};
+  for (int i = 0; i < 500; ++i) {
+    Descriptor word = words[rng() % words.size()];
+    for (int flips = 0; flips < 60; ++flips) {
+      const std::size_t bit = rng() % 256;
+      word[bit / 64] ^= 1ULL << (bit % 64);
+    }
+    d.descriptors.push_back(word);
+    d.keypoints.emplace_back(static_cast<float>(rng() % 2000) * 0.1F,
+                             static_cast<float>(rng() % 2000) * 0.1F);
+    d.orientations.push_back(static_cast<float>(rng() % 628) * 0.01F);
+  }
+  return d;
+}
+
+struct Database {
+  LoopDatabase maps{LoopClosureOptions{}};
+  MapDescription query;
+  explicit Database(int count) {
+    std::mt19937_64 rng(3);
+    std::vector<Descriptor> words(20000);
+    for (Descriptor& d : words) d = {rng(), rng(), rng(), rng()};
+    for (int map = 0; map < count; ++map) maps.insert(made_up_map(map, rng, words));
+    query = maps.descriptions().front();
+    query.key = {1, 0};
+    for (Descriptor& d : query.descriptors) {
+      for (int flips = 0; flips < 20; ++flips) {
+        const std::size_t bit = rng() % 256;
+        d[bit / 64] ^= 1ULL << (bit % 64);
+      }
+    }
+  }
+};
+
+const Database& database(int count) {
+  static std::unique_ptr<Database> last;
+  static int last_count = -1;
+  if (last_count != count) {
+    last.reset();
+    last = std::make_unique<Database>(count);
+    last_count = count;
+  }
+  return *last;
+}
+
+void match_one_map(benchmark::State& state) {
+  const Database& d = database(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(d.maps.match(d.query));
+}
+BENCHMARK(match_one_map)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+void query_one_map(benchmark::State& state) {
+  const Database& d = database(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(d.maps.query(d.query));
+}
+BENCHMARK(query_one_map)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+void insert_one_map(benchmark::State& state) {
+  std::mt19937_64 rng(4);
+  std::vector<Descriptor> words(20000);
+  for (Descriptor& d : words) d = {rng(), rng(), rng(), rng()};
+  LoopDatabase maps{LoopClosureOptions{}};
+  int map = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    MapDescription d = made_up_map(map++, rng, words);
+    state.ResumeTiming();
+    maps.insert(std::move(d));
+  }
+}
+BENCHMARK(insert_one_map)->Iterations(500)->Unit(benchmark::kMicrosecond);
+
+void consensus(benchmark::State& state) {
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> place(-80, 80), turn(-3, 3);
+  MapDescription query, reference;
+  std::vector<KeypointMatch> matches;
+  const PlanarTransform T{0.7, {10, -5}};
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(state.range(0)); ++i) {
+    const Eigen::Vector2d r(place(rng), place(rng));
+    const bool inlier = i % 5 == 0;
+    reference.keypoints.push_back(r.cast<float>());
+    reference.orientations.push_back(static_cast<float>(turn(rng)));
+    query.keypoints.push_back(
+        (inlier ? T * r : Eigen::Vector2d(place(rng), place(rng))).cast<float>());
+    query.orientations.push_back(inlier ? reference.orientations.back() + 0.7F
+                                        : static_cast<float>(turn(rng)));
+    reference.descriptors.push_back({rng(), rng(), rng(), rng()});
+    query.descriptors.push_back(reference.descriptors.back());
+    matches.push_back({i, i, 0});
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(find_consensus(query, reference, matches, {}));
+}
+BENCHMARK(consensus)->Arg(20)->Arg(100)->Arg(300)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace groundloop
