@@ -17,6 +17,7 @@ constexpr double kVoxelSize = 0.5;
 // Ground truth may be a metre off between visits: pairs that overlap this little at ground truth
 // may overlap enough once aligned.
 constexpr double kWorthAligning = 0.05;
+constexpr int kOverlapInliers = 5;         // of Tables 5 and 8
 constexpr double kMeetingDistance = 15.0;  // m between two ways that meet
 
 using Pair = std::pair<MapKey, MapKey>;  // reference, query
@@ -137,10 +138,109 @@ void finish(DetectionCounts& counts, std::size_t references) {
   if (references > 0) counts.recall = correct / static_cast<double>(references);
 }
 
-// What the errors of all closures are gathered in.
-struct Gathered {
-  std::vector<PoseError> initial_to_proxy, initial_absolute, refined_to_proxy, refined_absolute;
-  std::vector<double> overlap_differences;
+// Judges closures one after the other, those of one query together.
+class Judge {
+ public:
+  Judge(const std::vector<EvaluatedMap>& maps, std::vector<ReferenceClosure>& references,
+        const std::function<Points(const MapKey&)>& load_map,
+        const ClosureEvaluationOptions& options)
+      : maps_(maps), references_(references), load_map_(load_map), options_(options) {
+    for (std::size_t i = 0; i < maps.size(); ++i) map_index_[maps[i].key] = i;
+    for (std::size_t i = 0; i < references.size(); ++i) {
+      reference_index_[{references[i].reference, references[i].query}] = i;
+    }
+  }
+
+  void judge(const ReportedClosure& closure, ClosureEvaluation& result) {
+    const auto reference = reference_index_.find({closure.reference, closure.query});
+    const bool correct = reference != reference_index_.end();
+    const bool detected = closure.detector && closure.inliers >= options_.min_inliers;
+    const Pose truth =
+        true_pose(closure.query).inverse() * true_pose(closure.reference);  // T_query_reference
+    if (closure.detector) scored_.push_back({static_cast<double>(closure.inliers), correct});
+    if (detected) {
+      count(result.detector_accepted, correct, aligned(closure.initial_T_query_reference, truth));
+    }
+    if (closure.accepted) {
+      count(result.final_graph, correct, aligned(closure.T_query_reference, truth));
+    }
+    if (!correct) return;
+    ReferenceClosure& found = references_[reference->second];
+    found.detected = found.detected || detected;
+    found.in_final_graph = found.in_final_graph || closure.accepted;
+    measure(closure, detected, truth, found.overlap);
+  }
+
+  void finish(ClosureEvaluation& result) {
+    result.detector = precision_recall(std::move(scored_), references_.size());
+    result.initial_to_proxy = statistics(initial_to_proxy_);
+    result.initial_absolute = statistics(initial_absolute_);
+    result.refined_to_proxy = statistics(refined_to_proxy_);
+    result.refined_absolute = statistics(refined_absolute_);
+    result.overlap_closures = overlap_differences_.size();
+    if (!overlap_differences_.empty()) {
+      result.overlap_rmse = statistics(overlap_differences_).rmse;
+    }
+  }
+
+ private:
+  [[nodiscard]] const Pose& true_pose(const MapKey& key) const {
+    const auto found = map_index_.find(key);
+    if (found == map_index_.end()) {
+      throw InputError("closures.csv: map " + std::to_string(key.map) +
+                       " is not in local_maps.csv; run the session again");
+    }
+    return maps_[found->second].T_world_map;
+  }
+
+  [[nodiscard]] bool aligned(const Pose& T, const Pose& truth) const {
+    const PoseError e = error_of(T, truth);
+    return e.translation_m <= options_.aligned_m && e.rotation_deg <= options_.aligned_deg;
+  }
+
+  // Errors of a true closure.
+  void measure(const ReportedClosure& closure, bool detected, const Pose& truth,
+               double reference_overlap_of_maps) {
+    const bool for_overlap = closure.detector && closure.inliers >= kOverlapInliers;
+    if (!detected && !closure.accepted && !for_overlap) return;
+    if (!target_ || loaded_ != closure.query) {
+      loaded_ = closure.query;
+      query_points_ = load_map_(closure.query);
+      target_ = std::make_unique<ReferenceTarget>(query_points_);
+    }
+    const Points reference_points = load_map_(closure.reference);
+    const ReferenceAlignment proxy = reference_alignment(*target_, reference_points, truth);
+    if (detected) {
+      add(closure.initial_T_query_reference, truth, proxy, initial_absolute_, initial_to_proxy_);
+    }
+    if (closure.accepted) {
+      add(closure.T_query_reference, truth, proxy, refined_absolute_, refined_to_proxy_);
+    }
+    if (for_overlap) {
+      const double overlap = reference_overlap(reference_points, query_points_,
+                                               closure.initial_T_query_reference, kVoxelSize);
+      overlap_differences_.push_back(overlap - reference_overlap_of_maps);
+    }
+  }
+
+  static void add(const Pose& T, const Pose& truth, const ReferenceAlignment& proxy,
+                  std::vector<PoseError>& absolute, std::vector<PoseError>& to_proxy) {
+    absolute.push_back(error_of(T, truth));
+    if (proxy.converged) to_proxy.push_back(error_of(T, proxy.T_query_reference));
+  }
+
+  const std::vector<EvaluatedMap>& maps_;
+  std::vector<ReferenceClosure>& references_;
+  const std::function<Points(const MapKey&)>& load_map_;
+  const ClosureEvaluationOptions& options_;
+  std::map<MapKey, std::size_t> map_index_;
+  std::map<Pair, std::size_t> reference_index_;
+  std::vector<ScoredClosure> scored_;
+  std::vector<PoseError> initial_to_proxy_, initial_absolute_, refined_to_proxy_, refined_absolute_;
+  std::vector<double> overlap_differences_;
+  MapKey loaded_;
+  Points query_points_;
+  std::unique_ptr<ReferenceTarget> target_;
 };
 
 }  // namespace
@@ -165,95 +265,22 @@ ClosureEvaluation evaluate_closures(const std::vector<EvaluatedMap>& maps,
                                     const ClosureEvaluationOptions& options,
                                     const Progress& progress) {
   ClosureEvaluation result;
-  std::map<MapKey, std::size_t> index;
-  for (std::size_t i = 0; i < maps.size(); ++i) index[maps[i].key] = i;
-
-  std::vector<std::vector<ReferenceClosure>> by_query(maps.size());
   for (std::size_t q = 0; q < maps.size(); ++q) {
     if (progress) progress("reference closures", q, maps.size());
-    by_query[q] = references_of(maps, q, options);
+    const std::vector<ReferenceClosure> found = references_of(maps, q, options);
+    result.references.insert(result.references.end(), found.begin(), found.end());
   }
-  std::map<Pair, std::size_t> reference_index;
-  for (const auto& found : by_query) {
-    for (const ReferenceClosure& r : found) {
-      reference_index[{r.reference, r.query}] = result.references.size();
-      result.references.push_back(r);
-    }
-  }
-
-  Gathered errors;
-  std::vector<ScoredClosure> scored;
-  MapKey loaded{-1, -1};
-  Points query_points;
-  std::unique_ptr<ReferenceTarget> target;
   std::vector<ReportedClosure> ordered = closures;
   std::stable_sort(ordered.begin(), ordered.end(),
                    [](const auto& a, const auto& b) { return a.query < b.query; });
+  Judge judge(maps, result.references, load_map, options);
   for (std::size_t c = 0; c < ordered.size(); ++c) {
     if (progress) progress("closures", c, ordered.size());
-    const ReportedClosure& closure = ordered[c];
-    if (!index.count(closure.reference) || !index.count(closure.query)) {
-      throw InputError("closures.csv: map " + std::to_string(closure.reference.map) + " or " +
-                       std::to_string(closure.query.map) + " is not in local_maps.csv");
-    }
-    const auto reference = reference_index.find({closure.reference, closure.query});
-    const bool correct = reference != reference_index.end();
-    const bool detected = closure.detector && closure.inliers >= options.min_inliers;
-    const Pose truth = maps[index[closure.query]].T_world_map.inverse() *
-                       maps[index[closure.reference]].T_world_map;
-    const auto aligned = [&](const Pose& T) {
-      const PoseError e = error_of(T, truth);
-      return e.translation_m <= options.aligned_m && e.rotation_deg <= options.aligned_deg;
-    };
-    if (closure.detector) scored.push_back({static_cast<double>(closure.inliers), correct});
-    if (detected) {
-      count(result.detector_accepted, correct, aligned(closure.initial_T_query_reference));
-    }
-    if (closure.accepted) count(result.final_graph, correct, aligned(closure.T_query_reference));
-    if (!correct) continue;
-    ReferenceClosure& r = result.references[reference->second];
-    r.detected = r.detected || detected;
-    r.in_final_graph = r.in_final_graph || closure.accepted;
-    const bool for_overlap = closure.detector && closure.inliers >= 5;
-    if (!detected && !closure.accepted && !for_overlap) continue;
-
-    if (loaded != closure.query) {
-      loaded = closure.query;
-      query_points = load_map(closure.query);
-      target = std::make_unique<ReferenceTarget>(query_points);
-    }
-    const Points reference_points = load_map(closure.reference);
-    const ReferenceAlignment proxy = reference_alignment(*target, reference_points, truth);
-    if (detected) {
-      errors.initial_absolute.push_back(error_of(closure.initial_T_query_reference, truth));
-      if (proxy.converged) {
-        errors.initial_to_proxy.push_back(
-            error_of(closure.initial_T_query_reference, proxy.T_query_reference));
-      }
-    }
-    if (closure.accepted) {
-      errors.refined_absolute.push_back(error_of(closure.T_query_reference, truth));
-      if (proxy.converged) {
-        errors.refined_to_proxy.push_back(
-            error_of(closure.T_query_reference, proxy.T_query_reference));
-      }
-    }
-    if (for_overlap) {
-      const double overlap = reference_overlap(reference_points, query_points,
-                                               closure.initial_T_query_reference, kVoxelSize);
-      errors.overlap_differences.push_back(overlap - r.overlap);
-    }
+    judge.judge(ordered[c], result);
   }
-  result.detector = precision_recall(std::move(scored), result.references.size());
+  judge.finish(result);
   finish(result.detector_accepted, result.references.size());
   finish(result.final_graph, result.references.size());
-  result.initial_to_proxy = statistics(errors.initial_to_proxy);
-  result.initial_absolute = statistics(errors.initial_absolute);
-  result.refined_to_proxy = statistics(errors.refined_to_proxy);
-  result.refined_absolute = statistics(errors.refined_absolute);
-  result.overlap_closures = errors.overlap_differences.size();
-  if (result.overlap_closures > 0)
-    result.overlap_rmse = statistics(errors.overlap_differences).rmse;
   return result;
 }
 

@@ -1,1 +1,0 @@
-#include "loopclosure/loop_closure.hpp"
