@@ -124,7 +124,9 @@ std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
       const bool near =
           moved.translation.norm() <= input.revisits.max_distance &&
           rotation_angle(moved.rotation) <= input.revisits.max_angle_deg * M_PI / 180.0;
-      if (result.status != ClosureStatus::accepted || !near) continue;
+      if (result.status != ClosureStatus::accepted || !near ||
+          result.overlap < input.revisits.min_overlap)
+        continue;
       ClosureRecord record;
       record.reference_session = record.query_session = session;
       record.reference_map = reference;

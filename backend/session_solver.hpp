@@ -20,6 +20,7 @@ struct RevisitOptions {
   double max_distance = 3.0;
   double max_angle_deg = 4.0;
   double min_predicted_overlap = 0.2;
+  double min_overlap = 0.45;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -33,6 +34,9 @@ struct RevisitOptions {
     field("max_angle_deg", self.max_angle_deg, Range{0.1, 90.0}, "deg", "the same in rotation");
     field("min_predicted_overlap", self.min_predicted_overlap, Range{0.01, 1.0}, "",
           "share of the smaller map's ground area that a pair must have in common to be tried");
+    field("min_overlap", self.min_overlap, Range{0.0, 1.0}, "",
+          "volumetric overlap asked of them: no detector vouches for these pairs, so more than of "
+          "its candidates");
   }
 };
 
