@@ -9,7 +9,7 @@ namespace groundloop::simulation {
 
 const MaterialProperties& properties(Material material) {
   static constexpr std::array<MaterialProperties, static_cast<std::size_t>(Material::count)> table{{
-      {0.12, 0.02},  // asphalt
+      {0.17, 0.02},  // asphalt
       {0.25, 0.01},  // paving
       {0.35, 0.02},  // grass
       {0.60, 0.00},  // plaster
@@ -23,6 +23,7 @@ const MaterialProperties& properties(Material material) {
       {0.45, 0.10},  // paint
       {0.90, 0.00},  // sign
       {0.35, 0.03},  // cloth
+      {0.02, 0.90},  // water
   }};
   return table[static_cast<std::size_t>(material)];
 }

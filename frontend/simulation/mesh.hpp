@@ -29,6 +29,7 @@ enum class Material : std::uint8_t {
   paint,
   sign,
   cloth,
+  water,
   count
 };
 

@@ -97,9 +97,9 @@ Motion::Motion(const World& world, const Way& way, const SimulationParameters& p
 
 void Motion::plan_speed(const Way& way, const SimulationParameters& parameters) {
   const bool car = carrier_ == "car";
-  const double accelerate = car ? 1.4 : 0.5, brake = car ? 2.0 : 0.7, sideways = car ? 1.8 : 0.5;
+  const double accelerate = car ? 1.8 : 0.5, brake = car ? 2.4 : 0.7, sideways = car ? 2.5 : 0.5;
   Random random(key_of(key_, 1));
-  const double cruise = car                    ? random.uniform(8.5, 11.0)
+  const double cruise = car                    ? random.uniform(10.0, 12.5)
                         : carrier_ == "walker" ? random.uniform(1.2, 1.5)
                                                : random.uniform(1.6, 2.4);
   const int n = static_cast<int>(line_.length() / Line::step) + 1;
@@ -118,7 +118,7 @@ void Motion::plan_speed(const Way& way, const SimulationParameters& parameters) 
   for (const std::size_t stop : way.stops) {
     for (; next < stop; ++next) s += (way.points[next + 1] - way.points[next]).norm();
     const auto k = static_cast<std::size_t>(s / Line::step);
-    if (k + 2 < speed.size() && k > 4 && random.chance(car ? 0.3 : 0.1)) {
+    if (k + 2 < speed.size() && k > 4 && random.chance(car ? 0.22 : 0.1)) {
       speed[k] = 0.0;
       wait[k] = random.uniform(1.5, 5.0);
     }

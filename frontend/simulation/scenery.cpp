@@ -33,7 +33,7 @@ void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Rando
     } while (p.squaredNorm() > 1.0 || p.squaredNorm() < 0.12);
     p = centre + Vec3(crown_radius * p.x(), crown_radius * p.y(), half_height * p.z());
     const double size = season.uniform(0.18, 0.42);
-    const auto corner = [&] {
+    const auto corner = [&]() -> Vec3 {
       return p + size * Vec3(season.uniform(-1, 1), season.uniform(-1, 1), season.uniform(-1, 1));
     };
     const Vec3 a = corner(), b = corner(), c = corner();

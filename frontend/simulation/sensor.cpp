@@ -47,21 +47,33 @@ void Sensor::draw_errors(const SimulationParameters& parameters, std::size_t bea
   std::uint64_t name = 0;
   for (const char c : parameters.sensor) name = key_of(name, static_cast<unsigned char>(c));
   Random random(key_of(parameters.seed, 50, name));
-  const double tilt = parameters.noise * random.gauss(0.06 * degree);
-  errors_.range_scale = 1.0 + parameters.noise * random.gauss(0.0008);
+  const double noise = parameters.noise;
+  const auto of_either_sign = [&](double low, double high) {
+    const double size = random.uniform(low, high);
+    return noise * (random.chance(0.5) ? size : -size);
+  };
+  const double tilt = of_either_sign(0.10 * degree, 0.22 * degree);
+  errors_.range_scale = 1.0 + of_either_sign(0.0008, 0.0025);
+  errors_.range_walk = noise * random.uniform(0.03, 0.08);
+  for (Wobble* w : {&encoder_, &axis_}) {
+    *w = {of_either_sign(0.07 * degree, 0.15 * degree),
+          random.uniform(0.0, 2.0 * std::numbers::pi)};
+  }
   for (std::size_t i = 0; i < beams; ++i) {
-    elevation_errors_.push_back(tilt + parameters.noise * random.gauss(0.03 * degree));
+    elevation_errors_.push_back(tilt + noise * random.gauss(0.05 * degree));
     errors_.range.push_back(static_cast<float>(parameters.noise * random.gauss(0.015)));
   }
 }
 
 SensorRay Sensor::ray(double azimuth, double elevation, int slot, std::size_t beam) const {
-  const auto direction = [&](double e) {
-    return Vec3(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e))
+  const auto direction = [](double a, double e) {
+    return Vec3(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e))
         .cast<float>()
         .eval();
   };
-  return {direction(elevation + elevation_errors_[beam]), direction(elevation),
+  const double true_azimuth = azimuth + encoder_.at(azimuth);
+  const double true_elevation = elevation + elevation_errors_[beam] + axis_.at(azimuth);
+  return {direction(true_azimuth, true_elevation), direction(azimuth, elevation),
           static_cast<std::uint16_t>(slot), static_cast<std::uint16_t>(beam)};
 }
 

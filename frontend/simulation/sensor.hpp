@@ -1,6 +1,7 @@
 // The scan patterns of the simulated LiDARs, and the constant errors that each built sensor has.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct SensorRay {
 struct BeamErrors {
   std::vector<float> range;  ///< constant error of each beam, m
   double range_scale = 1.0;
+  double range_walk = 0.0;  ///< how much too far the faintest echoes are measured, m
 };
 
 class Sensor {
@@ -48,8 +50,15 @@ class Sensor {
   /// Direction of azimuth and elevation, and the same with the beam's elevation error.
   [[nodiscard]] SensorRay ray(double azimuth, double elevation, int slot, std::size_t beam) const;
 
+  /// An error that goes once around with the azimuth: an encoder out of centre, an axis askew.
+  struct Wobble {
+    double size = 0.0, phase = 0.0;  ///< radians
+    [[nodiscard]] double at(double azimuth) const { return size * std::sin(azimuth + phase); }
+  };
+
   std::vector<SensorRay> rays_;  ///< empty for the rosette, whose every scan differs
   std::vector<double> elevation_errors_;
+  Wobble encoder_, axis_;
   BeamErrors errors_;
   int slots_ = 1024;
   std::size_t neighbour_ = 1;

@@ -29,7 +29,10 @@ class NoiseModel {
 
  private:
   [[nodiscard]] static std::uint64_t key_of_recording(const SimulationParameters& parameters);
-  [[nodiscard]] double loss(const Hit& hit, double cosine) const;
+  /// The distance over the one at which the surface is just seen.
+  [[nodiscard]] double faintness(const Hit& hit, double cosine) const;
+  /// The chance that no echo comes back.
+  [[nodiscard]] double loss(const Hit& hit, double faintness) const;
 
   const Sensor& sensor_;
   double noise_;

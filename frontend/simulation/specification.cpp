@@ -16,7 +16,8 @@ using Names = std::vector<std::string_view>;
 const Names worlds{"town", "bridge", "park"};
 const Names sensors{"spin16", "spin32", "spin64", "spin128", "raster", "rosette"};
 const Names carriers{"car", "walker", "segway"};
-const Names keys{"sensor", "carrier", "length", "seed", "route", "change", "noise", "fov"};
+const Names sides{"any", "west", "east"};
+const Names keys{"sensor", "carrier", "length", "seed", "route", "change", "noise", "fov", "side"};
 
 std::string list(const Names& names) {
   std::string text;
@@ -86,6 +87,8 @@ void set(SimulationParameters& parameters, const std::string& specification, con
     parameters.sensor = one_of(specification, key, value, sensors);
   } else if (key == "carrier") {
     parameters.carrier = one_of(specification, key, value, carriers);
+  } else if (key == "side") {
+    parameters.side = one_of(specification, key, value, sides);
   } else if (key == "length") {
     parameters.length = number(specification, key, value, 10.0, 1e5);
   } else if (key == "seed") {
@@ -136,6 +139,9 @@ SimulationParameters parse_simulation(const std::string& specification) {
   }
   if (parameters.fov != 360.0 && parameters.sensor.rfind("spin", 0) != 0) {
     refuse(specification, "fov belongs to the spinning sensors; sensor is " + parameters.sensor);
+  }
+  if (parameters.side != "any" && parameters.world == "bridge") {
+    refuse(specification, "side belongs to town and park; the bridge has its own two sides");
   }
   return parameters;
 }

@@ -27,25 +27,29 @@ double Street::length() const {
 
 Vec2 StreetNetwork::crossing(const Crossing& c) const {
   Random random(key_of(key_, 1, c.i, c.j));
-  const Vec2 jitter(random.uniform(-24, 24), random.uniform(-24, 24));
-  return spacing * Vec2(c.i, c.j) + jitter;
+  Vec2 jitter(random.uniform(-24, 24), random.uniform(-24, 24));
+  if (options_.river > 0 && (c.i == 0 || c.i == 1)) jitter.x() = 0.0;  // along the quays
+  return spacing * Vec2(c.i + (c.i > 0 ? options_.river : 0), c.j) + jitter;
 }
 
 std::optional<Street> StreetNetwork::street(const Crossing& c, int axis) const {
   Random random(key_of(key_, 2, c.i, c.j, axis));
+  Street street;
+  street.bridge = options_.river > 0 && axis == 0 && c.i == 0;
+  if (street.bridge && c.j != 0) return std::nullopt;
   // Only streets to the east and north of even crossings may be missing: each crossing then keeps
   // two of its four.
-  const bool may_be_missing = ((c.i + c.j) & 1) == 0;
+  const bool may_be_missing = ((c.i + c.j) & 1) == 0 && !street.bridge;
   if (may_be_missing && random.chance(0.22)) return std::nullopt;
-  Street street;
   street.key = random.bits();
   street.from = crossing(c);
   street.to = crossing(axis == 0 ? Crossing{c.i + 1, c.j} : Crossing{c.i, c.j + 1});
   const Vec2 along = (street.to - street.from).normalized();
-  const double bend = random.uniform(-16, 16);
+  const double bend = street.bridge ? 0.0 : random.uniform(-options_.bend, options_.bend);
   street.bend = 0.5 * (street.from + street.to) + bend * Vec2(-along.y(), along.x());
-  street.half_width = random.uniform(3.2, 5.2);
-  street.pavement = random.uniform(1.4, 3.0);
+  street.half_width = random.uniform(options_.min_half_width, options_.max_half_width);
+  street.pavement = random.uniform(options_.min_pavement, options_.max_pavement);
+  if (random.chance(options_.avenues)) street.half_width += 3.2;
   return street;
 }
 

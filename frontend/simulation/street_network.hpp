@@ -1,5 +1,6 @@
-// The streets of the simulated town: an endless irregular lattice of crossings joined by bent
-// streets, some of them missing. A function of the seed alone.
+// The streets of a simulated world: an endless irregular lattice of crossings joined by bent
+// streets, some of them missing, and for the bridge a river without any between two halves of it. A
+// function of the seed alone.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,7 @@ struct Street {
   Vec2 from, bend, to;
   double half_width = 4.0;  ///< of the carriageway, m
   double pavement = 2.0;    ///< width of the pavement on each side, m
+  bool bridge = false;
   std::uint64_t key = 0;
 
   [[nodiscard]] Vec2 point(double t) const;
@@ -28,11 +30,22 @@ struct Street {
   [[nodiscard]] double length() const;
 };
 
+struct StreetNetworkOptions {
+  double min_half_width = 3.2, max_half_width = 5.2;  ///< of carriageways, m
+  double avenues = 0.2;                               ///< share of streets with two lanes each way
+  double min_pavement = 1.4, max_pavement = 3.0;      ///< m
+  double bend = 16.0;                                 ///< of streets out of the straight line, m
+  int river = 0;  ///< width, in spacings, of a river that only one bridge crosses; 0: none
+};
+
 class StreetNetwork {
  public:
   static constexpr double spacing = 100.0;  ///< of crossings, on average, m
 
-  explicit StreetNetwork(std::uint64_t key) : key_(key) {}
+  explicit StreetNetwork(std::uint64_t key, const StreetNetworkOptions& options = {})
+      : key_(key), options_(options) {}
+  /// The river lies between columns 0 and 1 of crossings, from x = 50 m on.
+  [[nodiscard]] int river() const { return options_.river; }
   [[nodiscard]] Vec2 crossing(const Crossing& c) const;
   /// The street to the neighbour east (axis 0) or north (axis 1) of a crossing, if there is one.
   /// Every crossing has at least two streets.
@@ -44,6 +57,7 @@ class StreetNetwork {
 
  private:
   std::uint64_t key_;
+  StreetNetworkOptions options_;
 };
 
 /// Distance of a point from the nearest edge of a street's pavement; negative on it.

@@ -9,17 +9,42 @@
 namespace groundloop::simulation {
 namespace {
 
-/// Crossings that routes of a given length keep to.
+/// The crossings that all routes of a given world and length keep to.
 struct Quarter {
-  int width, height;
+  Crossing low, high;  ///< included
+  std::string side;
 
-  explicit Quarter(double length) {
-    const double nodes = std::max(6.0, 0.6 * length / StreetNetwork::spacing);
-    width = static_cast<int>(std::ceil(std::sqrt(nodes)));
-    height = static_cast<int>(std::ceil(nodes / width));
+  Quarter(const StreetNetwork& network, const SimulationParameters& parameters)
+      : side(parameters.side) {
+    const double bridge = network.river() > 0 ? 2.0 * network.river() : 0.0;
+    const double nodes = std::max(6.0, 0.6 * (parameters.length / StreetNetwork::spacing - bridge));
+    const int width = static_cast<int>(std::ceil(std::sqrt(nodes)));
+    const int height = static_cast<int>(std::ceil(nodes / width));
+    low = {0, 0};
+    high = {width - 1, height - 1};
+    if (network.river() > 0) {  // half of it on either bank
+      low = {1 - (width + 1) / 2, -height / 2};
+      high = {(width + 1) / 2, low.j + height - 1};
+    } else if (side != "any") {
+      low = {side == "west" ? 1 - width : 0, 0};
+      high = {side == "west" ? 0 : width - 1, std::max(2, height - 1)};
+    }
   }
-  [[nodiscard]] bool contains(const Crossing& c) const {
-    return c.i >= 0 && c.j >= 0 && c.i < width && c.j < height;
+  [[nodiscard]] bool allows(const Crossing& from, const Crossing& to) const {
+    if (to.i < low.i || to.j < low.j || to.i > high.i || to.j > high.j) return false;
+    if (side == "any" || from.i != 0 || to.i != 0) return true;
+    // Of the streets between west and east only one belongs to both.
+    return std::min(from.j, to.j) == 1;
+  }
+  /// The first crossings of a way.
+  [[nodiscard]] std::vector<Crossing> start(const StreetNetwork& network, Random& random) const {
+    if (network.river() > 0) return {{random.chance(0.5) ? 0 : 1, 0}};
+    if (side == "any") {
+      return {{low.i + random.below(high.i - low.i + 1), low.j + random.below(high.j - low.j + 1)}};
+    }
+    // The common street, which is never missing, is driven first and in either direction.
+    const bool north = random.chance(0.5);
+    return {{0, north ? 1 : 2}, {0, north ? 2 : 1}};
   }
 };
 
@@ -32,8 +57,13 @@ struct Walk {
 Walk random_walk(const StreetNetwork& network, const Quarter& quarter, double length,
                  Random random) {
   Walk walk;
-  walk.crossings = {{random.below(quarter.width), random.below(quarter.height)}};
+  walk.crossings = quarter.start(network, random);
   std::map<std::pair<Crossing, Crossing>, double> driven;  // to the path length then
+  for (std::size_t k = 1; k < walk.crossings.size(); ++k) {
+    const auto street = network.between(walk.crossings[k - 1], walk.crossings[k]);
+    driven[{walk.crossings[k - 1], walk.crossings[k]}] = walk.length;
+    walk.length += street->length();
+  }
   while (walk.length < length) {
     const Crossing at = walk.crossings.back();
     struct Choice {
@@ -45,9 +75,10 @@ Walk random_walk(const StreetNetwork& network, const Quarter& quarter, double le
         walk.crossings.size() > 1 ? walk.crossings[walk.crossings.size() - 2] : at;
     for (const Crossing to : {Crossing{at.i + 1, at.j}, Crossing{at.i - 1, at.j},
                               Crossing{at.i, at.j + 1}, Crossing{at.i, at.j - 1}}) {
-      if (to == back || !quarter.contains(to) || !network.between(at, to)) continue;
+      const auto street = network.between(at, to);
+      if (to == back || !street || !quarter.allows(at, to)) continue;
       const bool known = driven.count({at, to}) + driven.count({to, at}) > 0;
-      choices.push_back({to, known ? 0.35 : 1.0});
+      choices.push_back({to, street->bridge ? 2.0 : known ? 0.35 : 1.0});
     }
     if (choices.empty()) choices.push_back({back, 1.0});  // a dead end of the quarter
     double total = 0.0;
@@ -92,7 +123,7 @@ void add_corner(std::vector<Vec2>& line, const Vec2& from, const Vec2& direction
 
 std::vector<Crossing> choose_crossings(const StreetNetwork& network,
                                        const SimulationParameters& parameters) {
-  const Quarter quarter(parameters.length);
+  const Quarter quarter(network, parameters);
   // Of many random walks the one that comes back most, in both directions: a quarter of the way
   // each is asked for.
   constexpr int trials = 48;

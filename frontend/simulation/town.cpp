@@ -1,9 +1,12 @@
 // The town: streets of street_network.hpp lined with houses, gardens, trees, parked cars and street
-// furniture. What `change` alters has keys of its own (parked cars, foliage, sheds); all else
-// depends on the seed alone.
+// furniture. With a river, two quarters of different build with one bridge between them. What
+// `change` alters has keys of its own (parked cars, foliage, sheds); all else depends on the seed
+// alone.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "frontend/simulation/bridge.hpp"
 #include "frontend/simulation/random.hpp"
 #include "frontend/simulation/scenery.hpp"
 #include "frontend/simulation/street_network.hpp"
@@ -16,17 +19,17 @@ namespace {
 
 class Town final : public World {
  public:
-  explicit Town(const SimulationParameters& parameters)
+  Town(const SimulationParameters& parameters, int river)
       : seed_(key_of(parameters.seed, 10)),
         day_(key_of(parameters.seed, 11, parameters.change)),
         foliage_(parameters.change == 0 ? 1.0
                                         : Random(key_of(parameters.change, 12)).uniform(0.25, 1.0)),
-        network_(key_of(parameters.seed, 13)) {}
+        network_(key_of(parameters.seed, 13), options(river)) {
+    if (river > 0) bridge_.emplace(*network_.street({0, 0}, 0));
+  }
 
   double ground(const Vec2& p) const override {
-    return 7.0 * value_noise(key_of(seed_, 1), p, 310.0) +
-           1.2 * value_noise(key_of(seed_, 2), p, 83.0) +
-           0.03 * value_noise(key_of(seed_, 3), p, 8.0);
+    return bridge_ && bridge_->carries(p) ? 0.0 : terrain(p);
   }
   double chunk_size() const override { return StreetNetwork::spacing; }
   double overhang() const override { return 100.0; }
@@ -36,6 +39,19 @@ class Town final : public World {
   }
 
  private:
+  static StreetNetworkOptions options(int river) {
+    StreetNetworkOptions result;
+    result.river = river;
+    return result;
+  }
+  /// The land without the bridge; level near a river, and low in its bed.
+  [[nodiscard]] double terrain(const Vec2& p) const {
+    const double land = 7.0 * value_noise(key_of(seed_, 1), p, 310.0) +
+                        1.2 * value_noise(key_of(seed_, 2), p, 83.0) +
+                        0.03 * value_noise(key_of(seed_, 3), p, 8.0);
+    return bridge_ ? bridge_->bank(p, land) : land;
+  }
+
   /// One side of a street: +1 is the left one.
   struct Side {
     const Street& street;
@@ -68,10 +84,13 @@ class Town final : public World {
   std::uint64_t seed_, day_;
   double foliage_;
   StreetNetwork network_;
+  std::optional<Bridge> bridge_;
 };
 
 void Town::build(const ChunkId& chunk, Mesh& mesh) const {
-  const Crossing crossing{chunk.i, chunk.j};
+  // Squares of the world are numbered on through the river, crossings are not.
+  const bool water = chunk.i > 0 && chunk.i <= network_.river();
+  const Crossing crossing{chunk.i > 0 ? std::max(0, chunk.i - network_.river()) : chunk.i, chunk.j};
   const std::vector<Street> around = network_.around(crossing, 2);
   add_terrain(
       mesh, chunk_size() * Vec2(chunk.i, chunk.j), chunk_size(), 2.5,
@@ -80,9 +99,11 @@ void Town::build(const ChunkId& chunk, Mesh& mesh) const {
         const double free = clearance(around, p);
         return free < -2.0 ? Material::asphalt : free < 1.0 ? Material::paving : Material::grass;
       });
+  if (bridge_) bridge_->build(mesh, 0.5 * chunk_size(), chunk_size() * Vec2(chunk.i, chunk.j));
+  if (water) return;
   for (int axis = 0; axis < 2; ++axis) {
     const auto street = network_.street(crossing, axis);
-    if (!street) continue;
+    if (!street || street->bridge) continue;
     const double parking = Random(key_of(street->key, 1)).uniform(0.15, 0.8);
     for (const double sign : {-1.0, 1.0}) {
       const Side side{*street, sign, street->length()};
@@ -115,7 +136,10 @@ void Town::build_pavement(Mesh& mesh, const Side& side) const {
 void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& around,
                       Random random) const {
   // Rows of houses, villas with gardens, or blocks of flats.
-  const double kind = random.uniform();
+  // Beyond a river the town is newer and taller.
+  const bool beyond = bridge_ && side.street.from.x() > StreetNetwork::spacing;
+  const double kind =
+      bridge_ ? random.uniform(beyond ? 0.55 : 0.0, beyond ? 1.0 : 0.65) : random.uniform();
   const bool rows = kind < 0.4, villas = kind < 0.75;
   const double typical_height = rows     ? random.uniform(6, 12)
                                 : villas ? random.uniform(3.5, 7)
@@ -240,12 +264,8 @@ void Town::build_green(Mesh& mesh, const ChunkId& chunk, const std::vector<Stree
 
 }  // namespace
 
-std::unique_ptr<World> make_town(const SimulationParameters& parameters) {
-  return std::make_unique<Town>(parameters);
-}
-
-std::unique_ptr<World> make_world(const SimulationParameters& parameters) {
-  return make_town(parameters);
+std::unique_ptr<World> make_town(const SimulationParameters& parameters, int river) {
+  return std::make_unique<Town>(parameters, river);
 }
 
 }  // namespace groundloop::simulation

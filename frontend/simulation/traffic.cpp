@@ -54,7 +54,7 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
     return static_cast<std::size_t>(car_shapes + random.below(person_shapes));
   };
   const double end = motion.duration();
-  const bool drives = parameters.carrier == "car";
+  const bool drives = parameters.carrier == "car" && way.cars;
   for (double t = random.uniform(0, 20); drives && t < end;) {  // ahead, and behind
     const double stays = random.uniform(15, 60);
     agents_.push_back({car(), random.uniform(1.3, 2.6), 0, 0, 0, 0, t, t + stays, true});
@@ -63,7 +63,7 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
     }
     t += stays + random.uniform(10, 70);
   }
-  for (double t = random.uniform(0, 8); t < end; t += random.uniform(4, 16)) {
+  for (double t = random.uniform(0, 8); way.cars && t < end; t += random.uniform(4, 16)) {
     agents_.push_back(
         {car(), motion.distance(t), t, -random.uniform(5, 10), 0.0, 1, t - 14, t + 14, false});
   }

@@ -24,12 +24,13 @@ struct Way {
   std::vector<double> pavement;    ///< distance from the street's centre to where people walk, m
   std::vector<double> centre;      ///< lateral offset of the street's centre line, m
   std::vector<std::size_t> stops;  ///< points where the carrier may have to wait
+  bool cars = true;                ///< whether there is traffic beside people
 };
 
 class World {
  public:
   virtual ~World() = default;
-  /// Height of the ground that carriers move on, metres.
+  /// Height of the ground that carriers move on (a bridge's deck over its river), metres.
   [[nodiscard]] virtual double ground(const Vec2& p) const = 0;
   [[nodiscard]] virtual double chunk_size() const = 0;
   /// How far scenery of a chunk may reach beyond its square, metres.
@@ -40,6 +41,8 @@ class World {
 };
 
 [[nodiscard]] std::unique_ptr<World> make_world(const SimulationParameters& parameters);
-[[nodiscard]] std::unique_ptr<World> make_town(const SimulationParameters& parameters);
+/// With a river, the bridge world: two quarters of different build, and one bridge.
+[[nodiscard]] std::unique_ptr<World> make_town(const SimulationParameters& parameters, int river);
+[[nodiscard]] std::unique_ptr<World> make_park(const SimulationParameters& parameters);
 
 }  // namespace groundloop::simulation
