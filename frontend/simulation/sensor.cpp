@@ -52,11 +52,11 @@ void Sensor::draw_errors(const SimulationParameters& parameters, std::size_t bea
     const double size = random.uniform(low, high);
     return noise * (random.chance(0.5) ? size : -size);
   };
-  const double tilt = of_either_sign(0.10 * degree, 0.22 * degree);
+  const double tilt = of_either_sign(0.14 * degree, 0.24 * degree);
   errors_.range_scale = 1.0 + of_either_sign(0.0008, 0.0025);
   errors_.range_walk = noise * random.uniform(0.03, 0.08);
   for (Wobble* w : {&encoder_, &axis_}) {
-    *w = {of_either_sign(0.07 * degree, 0.15 * degree),
+    *w = {of_either_sign(0.09 * degree, 0.18 * degree),
           random.uniform(0.0, 2.0 * std::numbers::pi)};
   }
   for (std::size_t i = 0; i < beams; ++i) {
