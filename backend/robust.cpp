@@ -10,9 +10,12 @@
 namespace groundloop {
 namespace {
 
-constexpr double kStep = 1.4;          // growth of mu, as Yang et al. recommend
-constexpr int kMaxSteps = 150;         // mu from 1e-11 to 1e11
-constexpr int kIterationsOfAStep = 3;  // the next step moves the weights anyway
+constexpr double kStep = 1.4;       // growth of mu, as Yang et al. recommend
+constexpr double kFirstStep = 3.0;  // until the first closure is certain: nothing is decided yet
+constexpr int kMaxRounds = 5;
+constexpr double kMuOfAnotherRound = 2e-4;  // closures up to 5 000 times the bound take part
+constexpr int kMaxSteps = 150;              // mu from 1e-11 to 1e11
+constexpr int kIterationsOfAStep = 3;       // the next step moves the weights anyway
 constexpr double kToleranceOfAStep = 1e-3;
 
 // Poses by odometry alone, from the fixed vertices and, in parts that have none, from the first.
@@ -65,26 +68,58 @@ class GraduatedNonConvexity {
   int run() {
     if (closures_.empty()) return 0;
     place_by_odometry(graph_, ends_);
-    std::vector<double> squared = squared_residuals();
+    const std::vector<double> squared = squared_residuals();
     const double largest = *std::max_element(squared.begin(), squared.end());
-    double mu = bound_ / std::max(2.0 * largest - bound_, bound_);
+    int steps = graduate(bound_ / std::max(2.0 * largest - bound_, bound_));
+    // True closures lost on the way, a twisted part of the graph with them, are nearer to this
+    // solution than to the odometry: they get another chance, as long as the truncated cost falls.
+    for (int round = 0; round < kMaxRounds; ++round) {
+      const PoseGraph best = graph_;
+      const double best_cost = truncated_cost();
+      steps += graduate(kMuOfAnotherRound);
+      if (truncated_cost() < best_cost && verdicts_differ(best)) continue;
+      graph_ = best;
+      break;
+    }
+    return steps;
+  }
+
+ private:
+  // From the graph's poses; returns the number of steps.
+  int graduate(double mu) {
+    std::vector<double> squared = squared_residuals();
+    bool certain = false;
     int step = 0;
     while (step < kMaxSteps) {
       const bool binary = set_weights(squared, mu);
+      for (const std::size_t k : closures_) certain = certain || graph_.edges[k].weight == 1.0;
       solve();
       squared = squared_residuals();
       ++step;
       if (progress_) progress_("judging closures", static_cast<std::size_t>(step), 0);
       if (binary && verdicts_hold(squared)) break;
-      mu *= kStep;
+      mu *= certain ? kStep : kFirstStep;
     }
     for (const std::size_t k : closures_) {
       graph_.edges[k].weight = graph_.edges[k].weight < 0.5 ? 0.0 : 1.0;
+      graph_.edges[k].rejected = graph_.edges[k].weight == 0.0;
     }
     return step;
   }
 
- private:
+  // What truncated least squares minimises: a closure costs at most half the bound.
+  [[nodiscard]] double truncated_cost() const {
+    double sum = cost(graph_);
+    for (const std::size_t k : closures_) sum += graph_.edges[k].rejected ? 0.5 * bound_ : 0.0;
+    return sum;
+  }
+
+  [[nodiscard]] bool verdicts_differ(const PoseGraph& other) const {
+    return std::any_of(closures_.begin(), closures_.end(), [&](std::size_t k) {
+      return graph_.edges[k].rejected != other.edges[k].rejected;
+    });
+  }
+
   // Closures of weight 0 are not part of the problem, which would be as dense as they are many; a
   // part of the graph that only they joined is held where it is.
   void solve() {
