@@ -78,6 +78,8 @@ class BlockSystem {
     const SingleThreadedAlgebra one_thread;
     Eigen::CholmodDecomposition<SparseMatrix, Eigen::Lower> cholesky;
     cholesky.cholmod().print = 0;
+    cholesky.cholmod().nmethods = 1;  // without trying METIS, which gains less than it takes
+    cholesky.cholmod().method[0].ordering = CHOLMOD_AMD;
     cholesky.compute(H);
     if (cholesky.info() != Eigen::Success) return false;
     x = cholesky.solve(right_);

@@ -18,7 +18,7 @@ struct OptimizerOptions {
   bool robust = false;
   double inlier_probability = 0.99;
   int max_iterations = 200;
-  double function_tolerance = 1e-7;
+  double function_tolerance = 1e-6;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
