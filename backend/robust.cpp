@@ -6,50 +6,20 @@
 #include "backend/chain_condensation.hpp"
 #include "backend/gauge.hpp"
 #include "backend/graph_problem.hpp"
+#include "backend/odometry_tree.hpp"
+#include "backend/pairwise_consistency.hpp"
 
 namespace groundloop {
 namespace {
 
 constexpr double kStep = 1.4;       // growth of mu, as Yang et al. recommend
 constexpr double kFirstStep = 3.0;  // until the first closure is certain: nothing is decided yet
+constexpr std::size_t kMaxPairwise = 1000;  // closures; pairs grow with the square
 constexpr int kMaxRounds = 5;
 constexpr double kMuOfAnotherRound = 2e-4;  // closures up to 5 000 times the bound take part
 constexpr int kMaxSteps = 150;              // mu from 1e-11 to 1e11
 constexpr int kIterationsOfAStep = 3;       // the next step moves the weights anyway
 constexpr double kToleranceOfAStep = 1e-3;
-
-// Poses by odometry alone, from the fixed vertices and, in parts that have none, from the first.
-// False closures cannot reach these, whereas a solution with all closures is bent beyond repair by
-// a few tens of percent of false ones.
-void place_by_odometry(PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
-  const std::size_t n = graph.vertices.size();
-  std::vector<std::vector<int>> edges_at(n);
-  PoseGraph odometry = graph;
-  for (std::size_t k = 0; k < ends.size(); ++k) {
-    GraphEdge& edge = odometry.edges[k];
-    edge.rejected = edge.rejected || edge.kind == EdgeKind::closure;
-    if (edge.rejected) continue;
-    edges_at[ends[k].from].push_back(static_cast<int>(k));
-    edges_at[ends[k].to].push_back(static_cast<int>(k));
-  }
-  std::vector<char> placed = gauge(odometry, connected_components(odometry, ends));
-  std::vector<int> queue;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (placed[i]) queue.push_back(static_cast<int>(i));
-  }
-  for (std::size_t head = 0; head < queue.size(); ++head) {
-    const int i = queue[head];
-    for (const int k : edges_at[i]) {
-      const bool forward = ends[k].from == i;
-      const int j = forward ? ends[k].to : ends[k].from;
-      if (placed[j]) continue;
-      const Pose& T_from_to = graph.edges[k].T_from_to;
-      graph.vertices[j].pose = graph.vertices[i].pose * (forward ? T_from_to : T_from_to.inverse());
-      placed[j] = 1;
-      queue.push_back(j);
-    }
-  }
-}
 
 // Works on the weights of the graph's closures; ends with each 0 or 1.
 class GraduatedNonConvexity {
@@ -67,12 +37,31 @@ class GraduatedNonConvexity {
   // Returns the number of steps.
   int run() {
     if (closures_.empty()) return 0;
-    place_by_odometry(graph_, ends_);
+    const OdometryTree odometry(graph_, ends_);
+    place(odometry);
     const std::vector<double> squared = squared_residuals();
     const double largest = *std::max_element(squared.begin(), squared.end());
     int steps = graduate(bound_ / std::max(2.0 * largest - bound_, bound_));
-    // True closures lost on the way, a twisted part of the graph with them, are nearer to this
-    // solution than to the odometry: they get another chance, as long as the truncated cost falls.
+    steps += improve();
+    if (2 * rejected() > closures_.size() && closures_.size() <= kMaxPairwise) {
+      steps += start_from_consistent_closures(odometry);
+    }
+    return steps;
+  }
+
+ private:
+  // Odometry cannot be reached by false closures, whereas a solution with all closures is bent
+  // beyond repair by a few tens of percent of false ones.
+  void place(const OdometryTree& odometry) {
+    for (std::size_t i = 0; i < graph_.vertices.size(); ++i) {
+      graph_.vertices[i].pose = odometry.pose(static_cast<int>(i));
+    }
+  }
+
+  // True closures lost on the way, a twisted part of the graph with them, are nearer to this
+  // solution than to the odometry: they get another chance, as long as the truncated cost falls.
+  int improve() {
+    int steps = 0;
     for (int round = 0; round < kMaxRounds; ++round) {
       const PoseGraph best = graph_;
       const double best_cost = truncated_cost();
@@ -84,7 +73,39 @@ class GraduatedNonConvexity {
     return steps;
   }
 
- private:
+  // Where most closures disagree with the solution, it may be that of a false group: a second start
+  // from the largest set of closures that agree pair by pair, kept where its truncated cost is
+  // lower.
+  int start_from_consistent_closures(const OdometryTree& odometry) {
+    std::vector<PairwiseClosure> pairs;
+    for (const std::size_t k : closures_) {
+      const GraphEdge& edge = graph_.edges[k];
+      const Eigen::LLT<Matrix6d> llt(edge.information);
+      if (llt.info() != Eigen::Success) return 0;  // no covariance, no distance
+      const RelativePose T_from_to{edge.T_from_to, llt.solve(Matrix6d::Identity())};
+      const auto [from, to] = ends_[k];
+      pairs.push_back(from > to ? PairwiseClosure{from, to, T_from_to}
+                                : PairwiseClosure{to, from, inverse(T_from_to)});
+    }
+    const auto between = [&](int from, int to) { return odometry.between(from, to); };
+    const ConsistentSets consistent = consistent_sets(pairs, between, between);
+    const PoseGraph best = graph_;
+    const double best_cost = truncated_cost();
+    place(odometry);
+    for (const std::size_t k : closures_) graph_.edges[k].weight = 0.0;
+    for (const int i : consistent.sets.front()) graph_.edges[closures_[i]].weight = 1.0;
+    solve();
+    const int steps = graduate(kMuOfAnotherRound);
+    if (truncated_cost() >= best_cost || !verdicts_differ(best)) graph_ = best;
+    return steps;
+  }
+
+  [[nodiscard]] std::size_t rejected() const {
+    return static_cast<std::size_t>(
+        std::count_if(closures_.begin(), closures_.end(),
+                      [&](std::size_t k) { return graph_.edges[k].rejected; }));
+  }
+
   // From the graph's poses; returns the number of steps.
   int graduate(double mu) {
     std::vector<double> squared = squared_residuals();
