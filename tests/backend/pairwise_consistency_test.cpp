@@ -71,7 +71,7 @@ class Drive : public ::testing::Test {
   // Two laps; true closures each 40 poses, from the later to the earlier pose.
   void SetUp() override {
     for (const GraphVertex& vertex : simulated_.graph.vertices) odometry_.push_back(vertex.pose);
-    chain_ = std::make_unique<OdometryChain>(odometry_, OdometryInformationOptions{});
+    chain_ = std::make_unique<OdometryChain>(odometry_, testing::simulated_drift());
     std::mt19937_64 generator(9);
     for (int from = kLap; from < 2 * kLap; from += 40) {
       const Pose truth = simulated_.truth[from].inverse() * simulated_.truth[from - kLap];
@@ -130,7 +130,7 @@ TEST_F(Drive, WorksBetweenTwoSessionsInFramesOfTheirOwn) {
                        {500, -300, 20});
   std::vector<Pose> second;
   for (int i = kLap; i < 2 * kLap; ++i) second.push_back(elsewhere * odometry_[i]);
-  const OdometryChain second_chain(second, {});
+  const OdometryChain second_chain(second, testing::simulated_drift());
   for (PairwiseClosure& closure : closures_) closure.from -= kLap;
   closures_[4].T_from_to.T_from_to.translation.x() += 8.0;
   const ConsistentSets result = consistent_sets(

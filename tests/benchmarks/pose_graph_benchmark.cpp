@@ -93,7 +93,7 @@ void BM_PairwiseConsistency(benchmark::State& state) {
   const testing::SimulatedGraph simulated = testing::simulate_graph(2 * lap, closures, lap, 1);
   std::vector<Pose> odometry;
   for (const GraphVertex& vertex : simulated.graph.vertices) odometry.push_back(vertex.pose);
-  const OdometryChain chain(odometry, {});
+  const OdometryChain chain(odometry, testing::simulated_drift());
   std::vector<PairwiseClosure> pairs;
   for (const GraphEdge& edge : simulated.graph.edges) {
     if (edge.kind != EdgeKind::closure) continue;

@@ -26,6 +26,17 @@ inline Vector6d gaussian(std::mt19937_64& generator, const Matrix6d& covariance)
   return covariance.llt().matrixL() * z;
 }
 
+/// How the simulated odometry errs; stated here, so that tests do not move with the defaults.
+inline OdometryInformationOptions simulated_drift() {
+  OdometryInformationOptions options;
+  options.translation = 0.02;
+  options.rotation = 3e-4;
+  options.rotation_per_turn = 2e-3;
+  options.translation_floor = 1e-3;
+  options.rotation_floor = 2e-5;
+  return options;
+}
+
 /// Pose at arc position s (m) of a winding circuit about `length` metres around.
 inline Pose circuit_pose(double s, double length) {
   const double u = 2.0 * M_PI * s / length;
@@ -52,7 +63,7 @@ inline Matrix6d closure_covariance() {
 inline SimulatedGraph simulate_graph(int poses, int closures, int lap, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
   SimulatedGraph result;
-  const OdometryInformationOptions options;
+  const OdometryInformationOptions options = simulated_drift();
   for (int i = 0; i < poses; ++i) {
     result.truth.push_back(circuit_pose(i, lap));
     if (i == 0) {
