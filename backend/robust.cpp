@@ -7,14 +7,12 @@
 #include "backend/gauge.hpp"
 #include "backend/graph_problem.hpp"
 #include "backend/odometry_tree.hpp"
-#include "backend/pairwise_consistency.hpp"
 
 namespace groundloop {
 namespace {
 
 constexpr double kStep = 1.4;       // growth of mu, as Yang et al. recommend
 constexpr double kFirstStep = 3.0;  // until the first closure is certain: nothing is decided yet
-constexpr std::size_t kMaxPairwise = 1000;  // closures; pairs grow with the square
 constexpr int kMaxRounds = 5;
 constexpr double kMuOfAnotherRound = 2e-4;  // closures up to 5 000 times the bound take part
 constexpr int kMaxSteps = 150;              // mu from 1e-11 to 1e11
@@ -37,22 +35,18 @@ class GraduatedNonConvexity {
   // Returns the number of steps.
   int run() {
     if (closures_.empty()) return 0;
-    const OdometryTree odometry(graph_, ends_);
-    place(odometry);
+    place_by_odometry();
     const std::vector<double> squared = squared_residuals();
     const double largest = *std::max_element(squared.begin(), squared.end());
-    int steps = graduate(bound_ / std::max(2.0 * largest - bound_, bound_));
-    steps += improve();
-    if (2 * rejected() > closures_.size() && closures_.size() <= kMaxPairwise) {
-      steps += start_from_consistent_closures(odometry);
-    }
-    return steps;
+    const int steps = graduate(bound_ / std::max(2.0 * largest - bound_, bound_));
+    return steps + improve();
   }
 
  private:
   // Odometry cannot be reached by false closures, whereas a solution with all closures is bent
   // beyond repair by a few tens of percent of false ones.
-  void place(const OdometryTree& odometry) {
+  void place_by_odometry() {
+    const OdometryTree odometry(graph_, ends_);
     for (std::size_t i = 0; i < graph_.vertices.size(); ++i) {
       graph_.vertices[i].pose = odometry.pose(static_cast<int>(i));
     }
@@ -71,39 +65,6 @@ class GraduatedNonConvexity {
       break;
     }
     return steps;
-  }
-
-  // Where most closures disagree with the solution, it may be that of a false group: a second start
-  // from the largest set of closures that agree pair by pair, kept where its truncated cost is
-  // lower.
-  int start_from_consistent_closures(const OdometryTree& odometry) {
-    std::vector<PairwiseClosure> pairs;
-    for (const std::size_t k : closures_) {
-      const GraphEdge& edge = graph_.edges[k];
-      const Eigen::LLT<Matrix6d> llt(edge.information);
-      if (llt.info() != Eigen::Success) return 0;  // no covariance, no distance
-      const RelativePose T_from_to{edge.T_from_to, llt.solve(Matrix6d::Identity())};
-      const auto [from, to] = ends_[k];
-      pairs.push_back(from > to ? PairwiseClosure{from, to, T_from_to}
-                                : PairwiseClosure{to, from, inverse(T_from_to)});
-    }
-    const auto between = [&](int from, int to) { return odometry.between(from, to); };
-    const ConsistentSets consistent = consistent_sets(pairs, between, between);
-    const PoseGraph best = graph_;
-    const double best_cost = truncated_cost();
-    place(odometry);
-    for (const std::size_t k : closures_) graph_.edges[k].weight = 0.0;
-    for (const int i : consistent.sets.front()) graph_.edges[closures_[i]].weight = 1.0;
-    solve();
-    const int steps = graduate(kMuOfAnotherRound);
-    if (truncated_cost() >= best_cost || !verdicts_differ(best)) graph_ = best;
-    return steps;
-  }
-
-  [[nodiscard]] std::size_t rejected() const {
-    return static_cast<std::size_t>(
-        std::count_if(closures_.begin(), closures_.end(),
-                      [&](std::size_t k) { return graph_.edges[k].rejected; }));
   }
 
   // From the graph's poses; returns the number of steps.

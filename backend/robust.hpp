@@ -1,12 +1,12 @@
 // Which closures to believe: graduated non-convexity with truncated least squares (Yang, Antonante,
 // Tzoumas, Carlone, RA-L 2020) over the closures of a pose graph, odometry trusted. It starts from
 // the odometry alone and judges on the graph with its odometry runs condensed; the poses of the
-// full graph are the optimiser's business. Where most closures are rejected, a second start is made
-// from the largest set of closures that agree pair by pair (pairwise_consistency.hpp), and the
-// solution of lower truncated cost decides.
+// full graph are the optimiser's business.
 //
 // Trust in odometry is as good as its information: where odometry errs three times as much as its
-// information says, true closures contradict it and are rejected with the false ones.
+// information says, true closures contradict it and are rejected with the false ones; where it is
+// believed too little, a group of false closures that agree with each other may outvote the true
+// ones near it. pairwise_consistency.hpp is a check that needs no solution.
 #pragma once
 
 #include <vector>
