@@ -183,7 +183,8 @@ void run_recording(const RunRequest& request, const Context& context) {
   const SessionFolder& session = folder.session();
   const RunLog log(session.file("run.log"));
   const RecordingInfo& info = recording->info();
-  spdlog::info("{}: {}, {} scans, {}", info.path, info.format, recording->size(), info.sensor);
+  spdlog::info("{}: {}, {} scans, {}", info.path, info.format, recording->size(),
+               info.sensor.empty() ? "sensor not stated" : info.sensor);
   spdlog::info("stamps: {}; per-point times: {}", info.stamp_source, info.point_times);
   for (const std::string& note : info.notes) spdlog::info("{}", note);
 
