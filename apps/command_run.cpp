@@ -8,6 +8,7 @@ namespace {
 
 struct RunArguments {
   RunRequest request;
+  std::vector<std::string> recordings;
   std::string config_file;
   std::vector<std::string> settings;
 };
@@ -42,8 +43,8 @@ void add_run_command(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<RunArguments>();
   RunRequest& request = arguments->request;
   command
-      ->add_option("RECORDING", request.recording,
-                   "path, or a simulated recording sim:WORLD?key=value&...")
+      ->add_option("RECORDING", arguments->recordings,
+                   "path, several bags of one recording, or sim:WORLD?key=value&...")
       ->required();
   command->add_option("--out", request.out, "folder of the session")->required();
   command->add_option("--format", request.reading.format,
@@ -56,6 +57,9 @@ void add_run_command(CLI::App& app, Context& context) {
   command->add_flag("--resume", request.resume, "go on with an interrupted run");
   add_config_options(*command, *arguments);
   command->callback([arguments, &context] {
+    RunRequest& run = arguments->request;
+    run.recording = arguments->recordings.front();
+    run.reading.more_paths.assign(arguments->recordings.begin() + 1, arguments->recordings.end());
     arguments->request.config = effective_config(*arguments);
     run_recording(arguments->request, context);
   });

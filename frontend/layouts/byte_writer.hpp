@@ -3,12 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "frontend/core/error.hpp"
 
@@ -18,14 +17,10 @@ class ByteWriter {
  public:
   template <typename T>
   ByteWriter& put(T value) {
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + sizeof(T));
-    std::memcpy(bytes_.data() + at, &value, sizeof(T));
-    return *this;
+    return put_bytes(&value, sizeof value);
   }
   ByteWriter& put_bytes(const void* data, std::size_t size) {
-    const auto* from = static_cast<const std::byte*>(data);
-    bytes_.insert(bytes_.end(), from, from + size);
+    bytes_.append(static_cast<const char*>(data), size);
     return *this;
   }
   ByteWriter& put_text(std::string_view text) { return put_bytes(text.data(), text.size()); }
@@ -35,18 +30,18 @@ class ByteWriter {
     return put(static_cast<Length>(text.size())).put_text(text);
   }
   ByteWriter& align(std::size_t size) {
-    bytes_.resize((bytes_.size() + size - 1) / size * size);
+    bytes_.resize((bytes_.size() + size - 1) / size * size, '\0');
     return *this;
   }
   void clear() { bytes_.clear(); }
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-  [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
-  [[nodiscard]] std::string_view view() const {
-    return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()};
+  [[nodiscard]] std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(bytes_.data(), bytes_.size()));
   }
+  [[nodiscard]] std::string_view view() const { return bytes_; }
 
  private:
-  std::vector<std::byte> bytes_;
+  std::string bytes_;
 };
 
 /// Writes a file of a folder that is itself put in place when it is whole.

@@ -98,7 +98,7 @@ void write_layout(Recording& recording, const std::string& layout, const fs::pat
                   const std::string& sensor, const Progress& progress) {
   layouts::Source source;
   for (std::size_t i = 0; i < recording.size(); ++i) source.stamps.push_back(recording.stamp(i));
-  source.period = sources::median_period(source.stamps);
+  source.period = sources::scan_duration(source.stamps);
   source.ground_truth = ground_truth_at(recording, source.stamps);
   PartialFolder partial(folder);
   {

@@ -228,7 +228,7 @@ class BagRecording final : public Recording {
     std::vector<Nanoseconds> stamps;
     for (const Item& item : items_) stamps.push_back(item.stamp);
     info_.gaps = count_gaps(stamps);
-    period_ = median_period(stamps);
+    duration_ = scan_duration(stamps);
   }
 
   void learn_layout() {
@@ -238,7 +238,7 @@ class BagRecording final : public Recording {
       if (info_.fields.empty()) info_.fields = cloud.table.layout.described();
       has_field = has_field || find_time_field(cloud.table.layout) != nullptr;
       times_ = merge(times_, infer_time_model(cloud.table.layout, cloud.data, cloud.table.count,
-                                              items_[index].stamp, period_));
+                                              items_[index].stamp, duration_));
     }
     info_.point_times = times_      ? times_->described()
                         : has_field ? "none (the time field is constant)"
@@ -263,7 +263,7 @@ class BagRecording final : public Recording {
   std::vector<NamedFile> files_;
   std::string topic_;
   std::vector<Item> items_;
-  Nanoseconds period_ = 0;
+  Nanoseconds duration_ = 0;
   std::optional<TimeModel> times_;
   std::vector<std::byte> buffer_;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <set>
 
 #include "frontend/core/error.hpp"
@@ -10,7 +9,7 @@
 #include "frontend/sources/ground_truth.hpp"
 #include "frontend/sources/point_files.hpp"
 #include "frontend/sources/point_layout.hpp"
-#include "frontend/sources/source_tools.hpp"
+#include "frontend/sources/scan_files.hpp"
 
 namespace groundloop::sources {
 namespace fs = std::filesystem;
@@ -34,30 +33,15 @@ std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
   return {"x", "y", "z", "intensity"};
 }
 
-class FolderRecording final : public Recording {
+class FolderRecording final : public ScanFiles {
  public:
-  explicit FolderRecording(const fs::path& folder) {
-    info_.path = folder.string();
-    info_.format = "folder";
+  explicit FolderRecording(const fs::path& folder) : ScanFiles(folder, "folder") {
     choose_files(folder);
     find_stamps(folder);
     info_.gaps = count_gaps(stamps_);
     if (extension_ == ".bin") choose_bin_layout();
     learn_layout();
     find_truth(folder);
-  }
-
-  const RecordingInfo& info() const override { return info_; }
-  std::size_t size() const override { return files_.size(); }
-  Nanoseconds stamp(std::size_t index) const override { return stamps_.at(index); }
-  Trajectory ground_truth() const override { return ground_truth_; }
-
-  Scan read(std::size_t index) override {
-    const std::string name = files_.at(index).string();
-    const PointTable table = parse(index);
-    Scan scan = decode_points(table.layout, buffer_, table.count, stamps_[index], times_, name);
-    require_points(scan, table.count, name);
-    return scan;
   }
 
  private:
@@ -102,6 +86,13 @@ class FolderRecording final : public Recording {
         "Neither times.txt nor file names give stamps; 10 scans a second are assumed.");
   }
 
+  std::size_t decode(std::size_t index, Scan& scan) override {
+    const PointTable table = parse(index);
+    scan = decode_points(table.layout, buffer_, table.count, stamps_[index], times_,
+                         files_[index].string());
+    return table.count;
+  }
+
   void choose_bin_layout() {
     for (const std::string& field : bin_fields(files_))
       bin_layout_.append(field, FieldType::float32);
@@ -112,29 +103,25 @@ class FolderRecording final : public Recording {
     }
   }
 
+  // Of buffer_, the bytes of files_[index].
   PointTable parse(std::size_t index) {
-    const fs::path& file = files_.at(index);
-    read_file_into(file, buffer_);
-    if (extension_ == ".pcd") return parse_pcd(buffer_, file.string());
-    if (extension_ == ".ply") return parse_ply(buffer_, file.string());
-    PointTable table{bin_layout_, buffer_.size() / bin_layout_.packed_size};
-    if (buffer_.size() % bin_layout_.packed_size != 0) {
-      throw InputError(file.string() + ": " + std::to_string(buffer_.size()) +
-                       " bytes are no multiple of " + std::to_string(bin_layout_.packed_size) +
-                       " (float32 x y z intensity); the file is cut off or of another format");
-    }
-    return table;
+    const std::string name = files_[index].string();
+    if (extension_ == ".pcd") return parse_pcd(buffer_, name);
+    if (extension_ == ".ply") return parse_ply(buffer_, name);
+    return {bin_layout_,
+            record_count(index, bin_layout_.packed_size, "float32 x y z intensity ...")};
   }
 
   // Fields and the meaning of their times from the first, middle and last scans.
   void learn_layout() {
     bool has_field = false;
     for (const std::size_t index : std::set<std::size_t>{0, files_.size() / 2, files_.size() - 1}) {
+      read_file_into(files_[index], buffer_);
       const PointTable table = parse(index);
       if (info_.fields.empty()) info_.fields = table.layout.described();
       has_field = has_field || find_time_field(table.layout) != nullptr;
       times_ = merge(times_, infer_time_model(table.layout, buffer_, table.count, stamps_[index],
-                                              median_period(stamps_)));
+                                              scan_duration(stamps_)));
     }
     info_.point_times = times_      ? times_->described()
                         : has_field ? "none (the time field is constant)"
@@ -152,14 +139,9 @@ class FolderRecording final : public Recording {
                           ", taken to be of the LiDAR itself.");
   }
 
-  RecordingInfo info_;
-  std::vector<fs::path> files_;
   std::string extension_;
-  std::vector<Nanoseconds> stamps_;
   PointLayout bin_layout_;
   std::optional<TimeModel> times_;
-  Trajectory ground_truth_;
-  std::vector<std::byte> buffer_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
-#include "frontend/sources/source_tools.hpp"
+#include "frontend/sources/scan_files.hpp"
 
 namespace groundloop::sources {
 namespace fs = std::filesystem;
@@ -44,65 +44,38 @@ Pose read_calibration(const fs::path& file) {
                    ": no line 'Tr:', which brings the poses from the camera to the LiDAR");
 }
 
-class KittiRecording final : public Recording {
+class KittiRecording final : public ScanFiles {
  public:
-  explicit KittiRecording(const fs::path& sequence) {
+  explicit KittiRecording(const fs::path& sequence)
+      : ScanFiles(sequence, "kitti", sequence / "velodyne", ".bin") {
     std::error_code error;
-    scans_ = list_files(sequence / "velodyne", ".bin");
-    if (scans_.empty()) {
-      throw InputError((sequence / "velodyne").string() + ": holds no scan; expected *.bin files");
-    }
-    info_.path = sequence.string();
-    info_.format = "kitti";
     info_.fields = {"x", "y", "z", "intensity"};
     std::vector<std::size_t> rows;
-    std::size_t row_count = scans_.size();
+    std::size_t row_count = files_.size();
     if (fs::exists(sequence / "times.txt", error)) {
       const std::vector<Nanoseconds> listed = read_stamp_file(sequence / "times.txt");
-      StampTable table = match_stamps(scans_, sequence / "times.txt", listed);
+      StampTable table = match_stamps(files_, sequence / "times.txt", listed);
       stamps_ = std::move(table.stamps);
       rows = std::move(table.rows);
       row_count = listed.size();
       info_.stamp_source = "times.txt";
     } else {
-      stamps_ = assumed_stamps(scans_.size());
-      for (std::size_t i = 0; i < scans_.size(); ++i) rows.push_back(i);
+      stamps_ = assumed_stamps(files_.size());
+      for (std::size_t i = 0; i < files_.size(); ++i) rows.push_back(i);
       info_.stamp_source = "assumed 10 Hz";
       info_.notes.emplace_back("There is no times.txt; 10 scans a second are assumed.");
     }
     info_.gaps = count_gaps(stamps_);
-    period_ = median_period(stamps_);
+    duration_ = scan_duration(stamps_);
     if (fs::is_directory(sequence / "times_per_point", error)) {
       times_folder_ = sequence / "times_per_point";
       info_.point_times = "times_per_point, share of " +
-                          to_text(1e-9 * static_cast<double>(period_)) + " s from the stamp";
+                          to_text(1e-9 * static_cast<double>(duration_)) + " s from the stamp";
     } else {
       info_.point_times = "none";
       info_.notes.emplace_back("Scans have no per-point times and are taken as deskewed.");
     }
     load_ground_truth(sequence, rows, row_count);
-  }
-
-  const RecordingInfo& info() const override { return info_; }
-  std::size_t size() const override { return scans_.size(); }
-  Nanoseconds stamp(std::size_t index) const override { return stamps_.at(index); }
-  Trajectory ground_truth() const override { return ground_truth_; }
-
-  Scan read(std::size_t index) override {
-    const fs::path& file = scans_.at(index);
-    read_file_into(file, buffer_);
-    if (buffer_.size() % kRecord != 0) {
-      throw InputError(file.string() + ": " + std::to_string(buffer_.size()) +
-                       " bytes are no multiple of 16 (float32 x y z intensity); the file is cut "
-                       "off or of another format");
-    }
-    const std::size_t count = buffer_.size() / kRecord;
-    if (!times_folder_.empty()) read_times(index, count);
-    Scan scan;
-    scan.stamp = stamps_[index];
-    decode(count, scan);
-    require_points(scan, count, file.string());
-    return scan;
   }
 
  private:
@@ -115,9 +88,9 @@ class KittiRecording final : public Recording {
     std::error_code error;
     if (!fs::exists(file, error)) return;
     const std::vector<Pose> poses = read_kitti_poses(file.lexically_normal());
-    if (poses.size() != row_count && poses.size() != scans_.size()) {
+    if (poses.size() != row_count && poses.size() != files_.size()) {
       throw InputError(file.lexically_normal().string() + ": " + std::to_string(poses.size()) +
-                       " poses for " + std::to_string(scans_.size()) +
+                       " poses for " + std::to_string(files_.size()) +
                        " scans; ground truth needs one line a scan");
     }
     Pose T_camera_lidar;
@@ -128,14 +101,14 @@ class KittiRecording final : public Recording {
           "There is no calib.txt; the poses are taken to be of the LiDAR itself.");
     }
     const Pose T_lidar_camera = T_camera_lidar.inverse();
-    for (std::size_t i = 0; i < scans_.size(); ++i) {
+    for (std::size_t i = 0; i < files_.size(); ++i) {
       const Pose& T_world_camera = poses[poses.size() == row_count ? rows[i] : i];
       ground_truth_.push_back({stamps_[i], T_lidar_camera * T_world_camera * T_camera_lidar});
     }
   }
 
   void read_times(std::size_t index, std::size_t count) {
-    const fs::path file = times_folder_ / scans_[index].filename();
+    const fs::path file = times_folder_ / files_[index].filename();
     read_file_into(file, time_buffer_);
     if (time_buffer_.size() != count * sizeof(float)) {
       throw InputError(file.string() + ": " + std::to_string(time_buffer_.size()) +
@@ -154,9 +127,11 @@ class KittiRecording final : public Recording {
     }
   }
 
-  void decode(std::size_t count, Scan& scan) const {
+  std::size_t decode(std::size_t index, Scan& scan) override {
+    const std::size_t count = record_count(index, kRecord, "float32 x y z intensity");
+    if (!times_folder_.empty()) read_times(index, count);
     const bool timed = !times_folder_.empty();
-    const auto seconds = static_cast<float>(1e-9 * static_cast<double>(period_));
+    const auto seconds = static_cast<float>(1e-9 * static_cast<double>(duration_));
     scan.points.resize(count);
     if (timed) scan.times.resize(count);
     std::size_t kept = 0;
@@ -174,15 +149,12 @@ class KittiRecording final : public Recording {
     }
     scan.points.resize(kept);
     if (timed) scan.times.resize(kept);
+    return count;
   }
 
-  RecordingInfo info_;
-  std::vector<fs::path> scans_;
-  std::vector<Nanoseconds> stamps_;
-  Nanoseconds period_ = 0;
+  Nanoseconds duration_ = 0;
   fs::path times_folder_;
-  Trajectory ground_truth_;
-  std::vector<std::byte> buffer_, time_buffer_;
+  std::vector<std::byte> time_buffer_;
 };
 
 }  // namespace
@@ -190,6 +162,12 @@ class KittiRecording final : public Recording {
 fs::path find_kitti_sequence(const fs::path& path) {
   if (is_sequence(path)) return path;
   std::error_code error;
+  // The folder of scans itself.
+  const fs::path absolute = fs::absolute(path).lexically_normal();
+  const fs::path self = absolute.has_filename() ? absolute : absolute.parent_path();
+  if (self.filename() == "velodyne" && fs::exists(self.parent_path() / "times.txt", error)) {
+    return self.parent_path();
+  }
   const fs::path parent = fs::is_directory(path / "sequences", error) ? path / "sequences" : path;
   std::vector<fs::path> found;
   for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error)) {

@@ -184,51 +184,58 @@ class McapFile final : public MessageFile {
     return use_summary(summary);
   }
 
+  struct Place {
+    std::uint64_t start = 0, length = 0;
+    std::vector<std::uint16_t> channels;  // that have messages there; empty where it is not told
+  };
+
+  static std::optional<Place> parse_chunk_index(std::span<const std::byte> record) {
+    ByteCursor content(record);
+    Place place;
+    (void)content.take(16);  // times of the first and last message
+    place.start = content.get<std::uint64_t>();
+    place.length = content.get<std::uint64_t>();
+    ByteCursor map(content.take_counted<std::uint32_t>());
+    while (map.left() > 0) {
+      place.channels.push_back(map.get<std::uint16_t>());
+      (void)map.get<std::uint64_t>();
+    }
+    if (content.failed() || map.failed()) return std::nullopt;
+    return place;
+  }
+
+  // Messages by channel.
+  static std::map<std::uint16_t, std::uint64_t> parse_statistics(
+      std::span<const std::byte> record) {
+    ByteCursor content(record);
+    (void)content.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);
+    ByteCursor map(content.take_counted<std::uint32_t>());
+    std::map<std::uint16_t, std::uint64_t> counts;
+    while (map.left() > 0) {
+      const auto id = map.get<std::uint16_t>();
+      counts[id] = map.get<std::uint64_t>();
+    }
+    return counts;
+  }
+
   bool use_summary(std::span<const std::byte> summary) {
-    struct Place {
-      std::uint64_t start = 0, length = 0;
-      std::vector<std::uint16_t> channels;
-    };
     std::vector<Place> places;
     std::map<std::uint16_t, std::uint64_t> counts;
     ByteCursor cursor(summary);
     while (cursor.left() > 0) {
       const auto record = next_record(cursor);
       if (!record) return false;
-      ByteCursor content(record->content);
       if (record->opcode == kSchema) add_schema(record->content);
       if (record->opcode == kChannel) add_channel(record->content);
-      if (record->opcode == kChunkIndex) {
-        Place place;
-        (void)content.take(16);
-        place.start = content.get<std::uint64_t>();
-        place.length = content.get<std::uint64_t>();
-        ByteCursor map(content.take_counted<std::uint32_t>());
-        while (map.left() > 0) {
-          place.channels.push_back(map.get<std::uint16_t>());
-          (void)map.get<std::uint64_t>();
-        }
-        if (content.failed() || map.failed()) return false;
-        places.push_back(std::move(place));
-      }
-      if (record->opcode == kStatistics) {
-        (void)content.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);
-        ByteCursor map(content.take_counted<std::uint32_t>());
-        while (map.left() > 0) {
-          const auto id = map.get<std::uint16_t>();
-          counts[id] = map.get<std::uint64_t>();
-        }
-      }
+      if (record->opcode == kStatistics) counts = parse_statistics(record->content);
+      if (record->opcode != kChunkIndex) continue;
+      auto place = parse_chunk_index(record->content);
+      if (!place) return false;
+      places.push_back(std::move(*place));
     }
     if (places.empty()) return false;
     for (const Place& place : places) {
-      const bool wanted =
-          place.channels.empty() ||
-          std::any_of(place.channels.begin(), place.channels.end(), [&](std::uint16_t id) {
-            const auto it = channels_.find(id);
-            return it == channels_.end() || it->second.topic.is_point_cloud();
-          });
-      if (!wanted) continue;
+      if (!may_hold_clouds(place)) continue;
       if (place.length < kRecordHead || place.start > store_.file_size() ||
           place.length > store_.file_size() - place.start) {
         ++broken_chunks_;
@@ -238,10 +245,18 @@ class McapFile final : public MessageFile {
     }
     for (auto& [id, channel] : channels_) {
       const auto it = counts.find(id);
-      if (it != counts.end() && !channel.topic.is_point_cloud())
-        channel.topic.messages = it->second;
+      if (it == counts.end() || channel.topic.is_point_cloud()) continue;
+      channel.topic.messages = it->second;
     }
     return true;
+  }
+
+  bool may_hold_clouds(const Place& place) const {
+    return place.channels.empty() ||
+           std::any_of(place.channels.begin(), place.channels.end(), [&](std::uint16_t id) {
+             const auto it = channels_.find(id);
+             return it == channels_.end() || it->second.topic.is_point_cloud();
+           });
   }
 
   void scan_data() {

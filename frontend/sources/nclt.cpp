@@ -167,54 +167,64 @@ class HitsRecording final : public Recording {
     return packet;
   }
 
+  // The packet at `offset` and its hits; false where the file ends within it.
+  bool next_packet(std::uint64_t offset, std::uint64_t size, Packet& packet) {
+    buffer_.resize(kPacketHeader);
+    if (offset + kPacketHeader > size ||
+        std::fread(buffer_.data(), 1, kPacketHeader, in_.get()) != kPacketHeader) {
+      return false;
+    }
+    packet = header(buffer_.data());
+    if (!packet.magic || packet.hits > kMostHits || packet.utime < 0 ||
+        packet.utime > 9'000'000'000'000'000) {
+      throw InputError(file_.string() + ": byte " + std::to_string(offset) +
+                       ": no packet of NCLT begins here; the file is broken or of another format");
+    }
+    buffer_.resize(packet.hits * kHit);
+    return offset + kPacketHeader + buffer_.size() <= size &&
+           std::fread(buffer_.data(), 1, buffer_.size(), in_.get()) == buffer_.size();
+  }
+
+  // Azimuth of the first return among the hits in buffer_, `otherwise` where there is none.
+  double first_azimuth(double otherwise) const {
+    Eigen::Vector3f p;
+    for (std::size_t at = 0; at < buffer_.size(); at += kHit) {
+      if (decode_hit(buffer_.data() + at, p)) {
+        return std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
+      }
+    }
+    return otherwise;
+  }
+
   // Cuts the stream of packets where the azimuth has gone once around.
   void index_turns() {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
     std::error_code error;
     const std::uint64_t size = fs::file_size(file_, error);
-    std::vector<char> io(1 << 20);
-    std::setvbuf(in_.get(), io.data(), _IOFBF, io.size());
-    std::vector<std::byte> packet_bytes;
-    double last = 0.0, turned = 0.0;
-    bool started = false;
+    double last_azimuth = 0.0, turned = 0.0;
     Nanoseconds last_utime = 0;
     std::vector<Nanoseconds> steps;
     std::uint64_t offset = 0;
-    while (offset + kPacketHeader <= size) {
-      packet_bytes.resize(kPacketHeader);
-      if (std::fread(packet_bytes.data(), 1, kPacketHeader, in_.get()) != kPacketHeader) break;
-      const Packet packet = header(packet_bytes.data());
-      if (!packet.magic || packet.hits > kMostHits || packet.utime < 0 ||
-          packet.utime > 9'000'000'000'000'000) {
-        throw InputError(
-            file_.string() + ": byte " + std::to_string(offset) +
-            ": no packet of NCLT begins here; the file is broken or of another format");
+    Packet packet;
+    while (next_packet(offset, size, packet)) {
+      const bool first = turns_.empty();
+      const double azimuth = first_azimuth(last_azimuth);
+      if (!first) {
+        if (packet.utime < last_utime) ++info_.out_of_order;
+        steps.push_back(packet.utime - last_utime);
+        turned += std::remainder(azimuth - last_azimuth, kTurn);
       }
-      const std::size_t bytes = packet.hits * kHit;
-      if (offset + kPacketHeader + bytes > size) break;
-      packet_bytes.resize(bytes);
-      if (std::fread(packet_bytes.data(), 1, bytes, in_.get()) != bytes) break;
-      if (started && packet.utime < last_utime) ++info_.out_of_order;
-      if (started) steps.push_back(packet.utime - last_utime);
       last_utime = packet.utime;
-      double azimuth = last;
-      Eigen::Vector3f p;
-      for (std::size_t at = 0; at < bytes; at += kHit) {
-        if (!decode_hit(packet_bytes.data() + at, p)) continue;
-        azimuth = std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
-        break;
-      }
-      if (started) turned += std::remainder(azimuth - last, 2.0 * std::numbers::pi);
-      last = azimuth;
+      last_azimuth = azimuth;
       // Coordinates in steps of 5 mm make an azimuth uncertain by milliradians.
-      if (!started || std::abs(turned) >= 2.0 * std::numbers::pi - kAzimuthError) {
-        if (started) turned -= std::copysign(2.0 * std::numbers::pi, turned);
+      if (first || std::abs(turned) >= kTurn - kAzimuthError) {
+        if (!first) turned -= std::copysign(kTurn, turned);
         turns_.push_back({offset, 0, packet.utime * 1000});
-        started = true;
       }
-      turns_.back().bytes += kPacketHeader + bytes;
-      offset += kPacketHeader + bytes;
+      const std::size_t bytes = kPacketHeader + packet.hits * kHit;
+      turns_.back().bytes += bytes;
+      offset += bytes;
     }
-    std::setvbuf(in_.get(), nullptr, _IONBF, 0);
     if (offset < size) {
       info_.notes.push_back("The file is cut off within its last packet, which is left out.");
     }

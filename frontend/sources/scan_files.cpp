@@ -10,10 +10,14 @@ namespace fs = std::filesystem;
 
 ScanFiles::ScanFiles(const fs::path& path, const char* format, const fs::path& folder,
                      const char* extension)
-    : files_(list_files(folder, extension)) {
+    : ScanFiles(path, format) {
+  files_ = list_files(folder, extension);
   if (files_.empty()) {
     throw InputError(folder.string() + ": holds no scan; expected *" + extension + " files");
   }
+}
+
+ScanFiles::ScanFiles(const fs::path& path, const char* format) {
   info_.path = path.string();
   info_.format = format;
 }

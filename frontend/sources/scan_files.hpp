@@ -23,6 +23,8 @@ class ScanFiles : public Recording {
   /// Files of a folder by extension; throws InputError where there are none.
   ScanFiles(const std::filesystem::path& path, const char* format,
             const std::filesystem::path& folder, const char* extension);
+  /// Files are chosen by the reader itself.
+  ScanFiles(const std::filesystem::path& path, const char* format);
 
   /// Decodes buffer_, the bytes of files_[index]; sets the points and times of `scan`, whose stamp
   /// is set, and returns the number of records seen.

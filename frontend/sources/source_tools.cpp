@@ -44,6 +44,16 @@ std::optional<Nanoseconds> seconds_and_nanoseconds(std::string_view stem) {
   return *s * kSecond + *ns;
 }
 
+// The interval that a share of all intervals are below.
+Nanoseconds interval_at(const std::vector<Nanoseconds>& stamps, double share) {
+  if (stamps.size() < 2) return kSecond / 10;
+  std::vector<Nanoseconds> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(steps.size()));
+  std::nth_element(steps.begin(), steps.begin() + rank, steps.end());
+  return steps[static_cast<std::size_t>(rank)];
+}
+
 bool strictly_increasing(const std::vector<Nanoseconds>& stamps) {
   return std::adjacent_find(stamps.begin(), stamps.end(), std::greater_equal<>()) == stamps.end();
 }
@@ -186,12 +196,12 @@ std::vector<Nanoseconds> assumed_stamps(std::size_t scans) {
 }
 
 Nanoseconds median_period(const std::vector<Nanoseconds>& stamps) {
-  if (stamps.size() < 2) return kSecond / 10;
-  std::vector<Nanoseconds> steps;
-  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return interval_at(stamps, 0.5);
+}
+
+Nanoseconds scan_duration(const std::vector<Nanoseconds>& stamps) {
+  const Nanoseconds interval = interval_at(stamps, 0.1);
+  return interval > kSecond / 4 ? kSecond / 10 : interval;
 }
 
 std::size_t count_gaps(const std::vector<Nanoseconds>& stamps) {

@@ -57,6 +57,10 @@ struct NameStamps {
 /// Median difference of successive stamps, 0.1 s where there are fewer than two.
 [[nodiscard]] Nanoseconds median_period(const std::vector<Nanoseconds>& stamps);
 
+/// How long a scan takes: the interval that a tenth of all intervals are below, since a recording
+/// may hold only some of the sensor's scans; 0.1 s where that is longer than LiDARs take (0.25 s).
+[[nodiscard]] Nanoseconds scan_duration(const std::vector<Nanoseconds>& stamps);
+
 /// Intervals longer than 1.75 median ones: at least one scan is missing there.
 [[nodiscard]] std::size_t count_gaps(const std::vector<Nanoseconds>& stamps);
 

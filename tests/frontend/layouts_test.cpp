@@ -135,7 +135,9 @@ TEST(Layouts, AreNotWrittenOverWhatIsThere) {
 
 TEST(Layouts, KittiOfASimulatedSensorIsNotCorrectedInElevation) {
   testing::TemporaryFolder folder;
-  const auto simulated = open_recording("sim:town?sensor=spin64&length=30", {.count = 3});
+  RecordingOptions options;
+  options.count = 3;
+  const auto simulated = open_recording("sim:town?sensor=spin64&length=30", options);
   write_layout(*simulated, "kitti", folder / "out");
   const auto read = open_recording((folder / "out").string());
   EXPECT_THAT(read->info().notes.back(), HasSubstr("not corrected"));
