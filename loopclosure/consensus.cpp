@@ -17,6 +17,9 @@ namespace {
 constexpr int kRotationBins = 360;
 constexpr std::size_t kHypotheses = 32;
 constexpr int kRefinements = 10;
+// Voting grows with the square of the matches. Maps with more are full of repetition, where the
+// nearest descriptors are as good as all of them.
+constexpr std::size_t kMaxMatches = 400;
 
 struct Matched {
   Eigen::Vector2d query, reference;
@@ -27,6 +30,17 @@ struct Matched {
 struct Tolerance {
   double radius, turn;
 };
+
+// The kMaxMatches with the nearest descriptors, nearest first.
+std::vector<KeypointMatch> nearest_matches(std::span<const KeypointMatch> matches) {
+  std::vector<KeypointMatch> result(matches.begin(), matches.end());
+  if (result.size() <= kMaxMatches) return result;
+  std::stable_sort(
+      result.begin(), result.end(),
+      [](const KeypointMatch& a, const KeypointMatch& b) { return a.distance < b.distance; });
+  result.resize(kMaxMatches);
+  return result;
+}
 
 std::vector<Matched> positions(const MapDescription& query, const MapDescription& reference,
                                std::span<const KeypointMatch> matches) {
@@ -288,6 +302,8 @@ Consensus find_consensus(const MapDescription& query, const MapDescription& refe
                          std::uint64_t seed) {
   Consensus result;
   if (matches.size() < 2) return result;
+  const std::vector<KeypointMatch> nearest = nearest_matches(matches);
+  matches = nearest;
   const Tolerance tolerance{options.inlier_radius,
                             options.orientation_gate_deg * std::numbers::pi / 180};
   std::vector<Matched> points = positions(query, reference, matches);
