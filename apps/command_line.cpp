@@ -47,6 +47,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_run_command(app, context);
   add_demo_command(app, context);
   add_evaluate_command(app, context);
+  add_export_command(app, context);
   add_inspect_command(app, context);
   add_simulate_command(app, context);
   add_optimize_command(app, context);

@@ -137,9 +137,37 @@ Matrix6d positive_part(const Matrix6d& matrix) {
   return inverse.asDiagonal() * scaled * inverse.asDiagonal();
 }
 
+double squared(double value) { return value * value; }
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+// What no number of points goes below, at the centre of the overlap.
+Matrix6d floor_covariance(const RegistrationOptions& options) {
+  Vector6d floor;
+  floor.head<3>().setConstant(squared(std::max(1e-6, options.translation_floor)));
+  floor.tail<3>().setConstant(squared(std::max(1e-8, radians(options.rotation_floor_deg))));
+  return floor.asDiagonal();
+}
+
+// Drift inside a map from its origin to the centre of the overlap, `way` being the vector between
+// them: a random walk of position and heading along it, as an error at the centre. A heading lost
+// at fraction s of the way displaces the centre by the rest, (1 - s) way.
+Matrix6d drift_covariance(const Eigen::Vector3d& way, const RegistrationOptions& options) {
+  const double length = way.norm();
+  const double turn = squared(radians(options.rotation_drift_deg)) * length;
+  const Eigen::Matrix3d lever = skew(way);
+  Matrix6d covariance;
+  covariance.topLeftCorner<3, 3>() =
+      squared(options.translation_drift) * length * Eigen::Matrix3d::Identity() +
+      turn / 3.0 * lever * lever.transpose();
+  covariance.topRightCorner<3, 3>() = -0.5 * turn * lever;
+  covariance.bottomLeftCorner<3, 3>() = -0.5 * turn * lever.transpose();
+  covariance.bottomRightCorner<3, 3>() = turn * Eigen::Matrix3d::Identity();
+  return covariance;
+}
+
 // Covariance = residual scatter through the Hessian, with as many independent residuals as there
 // are groups of correlated ones, plus what no number of points removes: a floor at the overlap's
-// centre and drift from there to the origins of both maps.
+// centre and the drift from there to the origins of both maps.
 Matrix6d scaled_information(const System& system, const Pose& T_target_source,
                             const RegistrationOptions& options) {
   const Eigen::Vector3d centre =
@@ -156,19 +184,17 @@ Matrix6d scaled_information(const System& system, const Pose& T_target_source,
   const Matrix6d information =
       positive_part(ad.transpose() * known * ad) / (variance * options.correlated_points);
 
-  const double way = centre.norm() + (T_target_source * centre).norm();
-  const double floor_t = options.translation_floor * options.translation_floor +
-                         options.translation_drift * options.translation_drift * way * way;
-  const double floor_r = std::pow(options.rotation_floor_deg * std::numbers::pi / 180.0, 2.0);
-  Vector6d floor;
-  floor << floor_t, floor_t, floor_t, floor_r, floor_r, floor_r;
+  const Eigen::Vector3d to_target_origin =
+      T_target_source.rotation.conjugate() * (T_target_source * centre);
+  const Matrix6d floor = floor_covariance(options) + drift_covariance(centre, options) +
+                         drift_covariance(to_target_origin, options);
   // (information^-1 + floor)^-1 without inverting a matrix that may be singular.
-  const Vector6d root = floor.cwiseMax(1e-12).cwiseSqrt();
-  const Matrix6d whitened = root.asDiagonal() * information * root.asDiagonal();
+  const Matrix6d root = floor.llt().matrixL();
+  const Matrix6d whitened = root.transpose() * information * root;
   const Matrix6d limited =
       Matrix6d::Identity() - (whitened + Matrix6d::Identity()).llt().solve(Matrix6d::Identity());
-  const Vector6d inverse_root = root.cwiseInverse();
-  const Matrix6d at_centre = inverse_root.asDiagonal() * limited * inverse_root.asDiagonal();
+  const Matrix6d inverse_root = root.triangularView<Eigen::Lower>().solve(Matrix6d::Identity());
+  const Matrix6d at_centre = inverse_root.transpose() * limited * inverse_root;
   const Matrix6d back = adjoint(T_source_centre.inverse());
   const Matrix6d result = back.transpose() * at_centre * back;
   return 0.5 * (result + result.transpose());

@@ -29,7 +29,8 @@ struct RegistrationOptions {
   double correlated_points = 50.0;
   double translation_floor = 0.05;
   double rotation_floor_deg = 0.1;
-  double translation_drift = 0.005;
+  double translation_drift = 0.02;
+  double rotation_drift_deg = 0.02;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -60,8 +61,10 @@ struct RegistrationOptions {
           "standard deviation that no number of points goes below, at the overlap");
     field("rotation_floor_deg", self.rotation_floor_deg, Range{0.0, 10.0}, "deg",
           "likewise, of the rotation");
-    field("translation_drift", self.translation_drift, Range{0.0, 1.0}, "m/m",
-          "drift inside a map from its origin to the overlap");
+    field("translation_drift", self.translation_drift, Range{0.0, 1.0}, "m/sqrt(m)",
+          "drift inside a map on the way from its origin to the overlap, after one metre");
+    field("rotation_drift_deg", self.rotation_drift_deg, Range{0.0, 10.0}, "deg/sqrt(m)",
+          "likewise, of the rotation; a long map is bent by it");
   }
 };
 

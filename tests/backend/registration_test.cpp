@@ -114,6 +114,7 @@ TEST(Registration, InformationDescribesTheErrorAtTheSourceOrigin) {
   const Points source = scene.sample(30000, 0.02, 2);
   RegistrationOptions options;
   options.translation_drift = 0.0;
+  options.rotation_drift_deg = 0.0;
   const RegistrationTarget prepared(target, options);
   const RegistrationResult near = register_points(prepared, source, Pose(), options);
   const Pose T_source_far = pose_of(30, 0, 0, 0, 0, 0);
