@@ -18,6 +18,39 @@ Matrix6d detector_information() {
 
 }  // namespace
 
+ClosureRecord verify_candidate(const ClosureCandidate& candidate, MapStore& queries, int query_id,
+                               MapStore& references, int reference_id,
+                               const ClosureOptions& closures,
+                               const VerificationOptions& verification,
+                               const RegistrationOptions& registration) {
+  ClosureRecord record;
+  record.reference_map = candidate.reference.map;
+  record.query_map = candidate.query.map;
+  record.matches = candidate.matches;
+  record.inliers = candidate.inliers;
+  record.T_query_reference = record.initial_T_query_reference = candidate.T_query_reference;
+  if (candidate.inliers < closures.min_inliers) {
+    record.status = ClosureStatus::few_inliers;
+    return record;
+  }
+  if (!closures.verification) {
+    record.status = ClosureStatus::accepted;
+    record.information = detector_information();
+    return record;
+  }
+  const std::shared_ptr<StoredMap> query = queries.get(query_id);
+  const std::shared_ptr<StoredMap> reference = references.get(reference_id);
+  const ClosureVerification result =
+      verify_closure(query->target(), query->points(), reference->points(),
+                     candidate.T_query_reference, verification, registration);
+  record.status = result.status;
+  record.T_query_reference = result.T_query_reference;
+  record.information = result.information;
+  record.overlap = result.overlap;
+  record.rmse = result.rmse;
+  return record;
+}
+
 ClosureFinder::ClosureFinder(const SessionFolder& folder, const LoopClosureOptions& loop_closure,
                              const ClosureOptions& closures,
                              const VerificationOptions& verification,
@@ -41,33 +74,11 @@ void ClosureFinder::add(const LocalMap& map) {
 }
 
 ClosureRecord ClosureFinder::verify(const ClosureCandidate& candidate) {
-  ClosureRecord record;
-  record.reference_session = record.query_session = session_;
-  record.reference_map = candidate.reference.map;
-  record.query_map = candidate.query.map;
-  record.matches = candidate.matches;
-  record.inliers = candidate.inliers;
-  record.T_query_reference = record.initial_T_query_reference = candidate.T_query_reference;
-  if (candidate.inliers < options_.min_inliers) {
-    record.status = ClosureStatus::few_inliers;
-    return record;
-  }
-  if (!options_.verification) {
-    record.status = ClosureStatus::accepted;
-    record.information = detector_information();
-    return record;
-  }
   const auto start = std::chrono::steady_clock::now();
-  const std::shared_ptr<StoredMap> query = store_.get(candidate.query.map);
-  const std::shared_ptr<StoredMap> reference = store_.get(candidate.reference.map);
-  const ClosureVerification result =
-      verify_closure(query->target(), query->points(), reference->points(),
-                     candidate.T_query_reference, verification_, registration_);
-  record.status = result.status;
-  record.T_query_reference = result.T_query_reference;
-  record.information = result.information;
-  record.overlap = result.overlap;
-  record.rmse = result.rmse;
+  ClosureRecord record = verify_candidate(candidate, store_, candidate.query.map, store_,
+                                          candidate.reference.map, options_, verification_,
+                                          registration_);
+  record.reference_session = record.query_session = session_;
   verification_seconds_ +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return record;

@@ -32,6 +32,14 @@ struct ClosureOptions {
   }
 };
 
+/// The closure a candidate becomes, verified and refined where it has inliers enough; the sessions'
+/// names are the caller's. The maps are those of the given ids in the stores.
+[[nodiscard]] ClosureRecord verify_candidate(const ClosureCandidate& candidate, MapStore& queries,
+                                             int query_id, MapStore& references, int reference_id,
+                                             const ClosureOptions& closures,
+                                             const VerificationOptions& verification,
+                                             const RegistrationOptions& registration);
+
 class ClosureFinder {
  public:
   ClosureFinder(const SessionFolder& folder, const LoopClosureOptions& loop_closure,

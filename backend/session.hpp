@@ -13,6 +13,8 @@
 
 namespace groundloop {
 
+class TableRow;
+
 enum class ClosureSource { detector, overlap };
 [[nodiscard]] const char* to_string(ClosureSource source);
 
@@ -62,6 +64,13 @@ class SessionFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// The columns of closures.csv, one row without its line break, and a closure from a row that has
+/// at least kClosureFields fields. For tables that hold more than closures.csv does.
+inline constexpr std::size_t kClosureFields = 24;
+[[nodiscard]] const char* closure_header();
+[[nodiscard]] std::string closure_row(const ClosureRecord& closure);
+[[nodiscard]] ClosureRecord closure_from(const TableRow& row);
 
 void write_closures(const std::filesystem::path& file, const std::vector<ClosureRecord>& closures);
 /// Throws InputError naming file, line and column.

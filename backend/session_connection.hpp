@@ -1,0 +1,14 @@
+// Which sessions belong together: consistent sets of closures between two frames propose an
+// alignment, rival alignments and the ground that overlaps in it decide whether it stands.
+#pragma once
+
+#include "backend/joint_problem.hpp"
+
+namespace groundloop {
+
+/// Joins frames until no connection holds. Closures of connections go into the graph as edges and
+/// stay `accepted`; those that contradict them, and those of refused connections, become
+/// `inconsistent`. Closures found by testing a connection are added.
+void connect_sessions(JointProblem& problem, const MergeOptions& options, const Progress& progress);
+
+}  // namespace groundloop
