@@ -51,6 +51,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_inspect_command(app, context);
   add_simulate_command(app, context);
   add_optimize_command(app, context);
+  add_match_command(app, context);
+  add_merge_command(app, context);
   add_config_command(app, context);
   // Subcommands run in their callbacks, after this.
   app.parse_complete_callback([&] {

@@ -21,20 +21,6 @@ void add_config_options(CLI::App& command, RunArguments& arguments) {
       ->take_all();
 }
 
-Config effective_config(const RunArguments& arguments) {
-  Config config;
-  if (!arguments.config_file.empty()) read_config(config, arguments.config_file);
-  for (const std::string& setting : arguments.settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw InputError("--set " + setting +
-                       ": expected KEY=VALUE, e.g. --set odometry.voxel_size=0.5");
-    }
-    set_option(config, setting.substr(0, equals), setting.substr(equals + 1), "--set");
-  }
-  return config;
-}
-
 }  // namespace
 
 void add_run_command(CLI::App& app, Context& context) {
@@ -60,7 +46,7 @@ void add_run_command(CLI::App& app, Context& context) {
     RunRequest& run = arguments->request;
     run.recording = arguments->recordings.front();
     run.reading.more_paths.assign(arguments->recordings.begin() + 1, arguments->recordings.end());
-    arguments->request.config = effective_config(*arguments);
+    arguments->request.config = effective_config(arguments->config_file, arguments->settings);
     run_recording(arguments->request, context);
   });
 }
@@ -74,7 +60,7 @@ void add_demo_command(CLI::App& app, Context& context) {
   command->add_option("--out", arguments->request.out, "folder of the session (groundloop_demo)");
   add_config_options(*command, *arguments);
   command->callback([arguments, &context] {
-    arguments->request.config = effective_config(*arguments);
+    arguments->request.config = effective_config(arguments->config_file, arguments->settings);
     run_recording(arguments->request, context);
   });
 }

@@ -179,6 +179,21 @@ void read_config(Config& config, const std::string& file_or_preset) {
   }
 }
 
+Config effective_config(const std::string& file_or_preset,
+                        const std::vector<std::string>& settings) {
+  Config config;
+  if (!file_or_preset.empty()) read_config(config, file_or_preset);
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw InputError("--set " + setting +
+                       ": expected KEY=VALUE, e.g. --set odometry.voxel_size=0.5");
+    }
+    set_option(config, setting.substr(0, equals), setting.substr(equals + 1), "--set");
+  }
+  return config;
+}
+
 void validate_config(const Config& config) {
   for_each_section(config, []<typename Options>(const char* section, const Options& options) {
     validate(options, section);

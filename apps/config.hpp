@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "backend/session_merge.hpp"
 #include "backend/slam.hpp"
 #include "frontend/recording.hpp"
 
@@ -40,6 +41,7 @@ struct Config {
   RecordingSection recording;
   SlamOptions slam;
   MapSection map;
+  ConnectionOptions connection;
 };
 
 /// Calls f(name, options) for every section.
@@ -60,6 +62,7 @@ void for_each_section(Self& config, F&& f) {
   f("pose_graph", config.slam.pose_graph);
   f("revisits", config.slam.revisits);
   f("map", config.map);
+  f("connection", config.connection);
 }
 
 /// Sets `section.key` from text. `place` stands before the error ("--set", "file.yaml:12").
@@ -68,6 +71,10 @@ void set_option(Config& config, const std::string& key, const std::string& value
 
 /// Reads a YAML file, or a preset by its name, over `config`.
 void read_config(Config& config, const std::string& file_or_preset);
+
+/// The defaults, a file or preset over them unless empty, and settings KEY=VALUE over those.
+[[nodiscard]] Config effective_config(const std::string& file_or_preset,
+                                      const std::vector<std::string>& settings);
 
 /// Throws InputError naming the first value that is out of its range.
 void validate_config(const Config& config);

@@ -63,7 +63,8 @@ void add_closure_errors(const MergeResult& result, MergeEvaluation& evaluation) 
   };
   std::vector<std::vector<std::optional<Pose>>> poses;
   for (std::size_t p = 0; p < result.parts.size(); ++p) {
-    poses.push_back(true_poses(result.parts[p], evaluation.ground_truth[p], evaluation.optimised[p]));
+    poses.push_back(
+        true_poses(result.parts[p], evaluation.ground_truth[p], evaluation.optimised[p]));
   }
   for (const ClosureRecord& c : result.closures) {
     if (c.status != ClosureStatus::accepted || c.reference_session == c.query_session) continue;
@@ -156,21 +157,20 @@ Json merge_manifest(const SessionFolder& folder, const MergeResult& result,
   int maps = 0;
   for (std::size_t p = 0; p < result.parts.size(); ++p) {
     const MergedPart& part = result.parts[p];
-    parts.push_back(
-        {{"name", part.source->name},
-         {"input", sessions[part.session].folder.path().string()},
-         {"recording", part.source->recording},
-         {"sensor", part.source->sensor},
-         {"scans", part.trajectory.size()},
-         {"first_scan", part.first_scan},
-         {"local_maps", part.maps.size()},
-         {"first_map", part.first_map},
-         {"frame", name_of(result, part.frame)},
-         {"connected", std::count_if(result.parts.begin(), result.parts.end(),
-                                     [&](const MergedPart& other) {
-                                       return other.frame == part.frame;
-                                     }) > 1},
-         {"fixed", part.fixed}});
+    parts.push_back({{"name", part.source->name},
+                     {"input", sessions[part.session].folder.path().string()},
+                     {"recording", part.source->recording},
+                     {"sensor", part.source->sensor},
+                     {"scans", part.trajectory.size()},
+                     {"first_scan", part.first_scan},
+                     {"local_maps", part.maps.size()},
+                     {"first_map", part.first_map},
+                     {"frame", name_of(result, part.frame)},
+                     {"connected", std::count_if(result.parts.begin(), result.parts.end(),
+                                                 [&](const MergedPart& other) {
+                                                   return other.frame == part.frame;
+                                                 }) > 1},
+                     {"fixed", part.fixed}});
     scans += part.trajectory.size();
     maps += static_cast<int>(part.maps.size());
   }
@@ -205,8 +205,8 @@ Json merge_manifest(const SessionFolder& folder, const MergeResult& result,
           {"checksums", checksums}};
 }
 
-Json merge_metrics(const MergeResult& result, const MergeEvaluation& evaluation,
-                   double map_seconds, double total_seconds) {
+Json merge_metrics(const MergeResult& result, const MergeEvaluation& evaluation, double map_seconds,
+                   double total_seconds) {
   std::size_t scans = 0;
   std::size_t maps = 0;
   double way = 0.0;

@@ -45,9 +45,7 @@ struct MergeEvaluation {
                                                    const MergeEvaluation& evaluation,
                                                    double map_seconds, double total_seconds);
 
-[[nodiscard]] std::string merge_report(const MergeResult& result,
-                                       const MergeEvaluation& evaluation,
-                                       const std::vector<LeftOut>& left_out,
-                                       const Config& config);
+[[nodiscard]] std::string merge_report(const MergeResult& result, const MergeEvaluation& evaluation,
+                                       const std::vector<LeftOut>& left_out, const Config& config);
 
 }  // namespace groundloop::apps

@@ -49,10 +49,10 @@ ReportTable pair_table(const MergeResult& result) {
         {reference.source->name, query.source->name, std::to_string(pair.candidates),
          std::to_string(pair.verified), std::to_string(pair.accepted),
          pair.joined_before ? std::string("merged before")
-         : one ? fixed(static_cast<double>(pair.shared_maps) /
-                           static_cast<double>(query.maps.size()),
-                       2)
-               : std::string("not connected")});
+         : one
+             ? fixed(static_cast<double>(pair.shared_maps) / static_cast<double>(query.maps.size()),
+                     2)
+             : std::string("not connected")});
   }
   return table;
 }
@@ -99,8 +99,7 @@ std::string merge_report(const MergeResult& result, const MergeEvaluation& evalu
     }
   }
   for (const ClosureRecord& c : result.closures) {
-    if (c.reference_session != c.query_session)
-      input.closures.push_back(report_closure(result, c));
+    if (c.reference_session != c.query_session) input.closures.push_back(report_closure(result, c));
   }
   input.tables = {session_table(result, evaluation), pair_table(result)};
   input.timing_s = {{"matching", result.times.matching},

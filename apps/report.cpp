@@ -28,6 +28,8 @@ polyline.truth{stroke:var(--truth);stroke-dasharray:6 4}polyline.before{stroke:v
 polyline.after{stroke:var(--after)}circle.after{fill:var(--after)}
 polyline.good,g.good line{stroke:var(--good);stroke-width:2.2}g.good circle{fill:var(--good)}
 polyline.bad,g.bad line{stroke:var(--bad);stroke-width:1;stroke-dasharray:3 3}g.bad circle{fill:var(--bad)}
+polyline.session0{stroke:#0068b5}polyline.session1{stroke:#e07b00}polyline.session2{stroke:#1a8f5a}
+polyline.session3{stroke:#b5429a}polyline.session4{stroke:#8a6d1d}polyline.session5{stroke:#0f9aa8}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:3px 12px 3px 0;text-align:right;border-bottom:1px solid var(--rule);white-space:nowrap}
 th{font-weight:600}th:first-child,td:first-child{text-align:left}.facts td{text-align:left}td.wrap{white-space:normal;text-align:left}
@@ -125,7 +127,42 @@ std::string closure_text(const ReportClosure& c) {
          std::to_string(c.inliers) + " inliers, overlap " + optional_text(c.overlap, 2);
 }
 
+// Accepted ones last, on top.
+void add_links(const ReportInput& input, Plot& top) {
+  for (const bool accepted : {false, true}) {
+    bool any = false;
+    for (const ReportClosure& c : input.closures) {
+      if ((c.status == "accepted") != accepted) continue;
+      any = true;
+      top.links.push_back({accepted ? "good" : "bad",
+                           {c.reference_position.x(), c.reference_position.y()},
+                           {c.query_position.x(), c.query_position.y()},
+                           closure_text(c)});
+    }
+    if (any) {
+      top.series.push_back(
+          {accepted ? "closure accepted" : "rejected", accepted ? "good" : "bad", {}, false});
+    }
+  }
+}
+
+std::string sessions(const ReportInput& input) {
+  constexpr std::size_t kColours = 6;
+  Plot top{"From above", "x [m]", "y [m]", true, false, {}, {}};
+  Plot height{"Height along the way", "way [m]", "z [m]", false, false, {}, {}};
+  for (std::size_t i = 0; i < input.sessions.size(); ++i) {
+    const std::string style = "session" + std::to_string(i % kColours);
+    const auto points = positions(input.sessions[i].trajectory, Pose(), 1.0);
+    const char* name = input.sessions[i].name.c_str();
+    top.series.push_back(series(name, style.c_str(), points, false));
+    height.series.push_back(series(name, style.c_str(), points, true));
+  }
+  add_links(input, top);
+  return heading("Sessions in one frame") + to_svg(top) + to_svg(height);
+}
+
 std::string trajectories(const ReportInput& input) {
+  if (!input.sessions.empty()) return sessions(input);
   const Drawn drawn = draw(input);
   std::string html = heading("Trajectory");
   html += note(input.optimised_evaluation
@@ -143,22 +180,7 @@ std::string trajectories(const ReportInput& input) {
     plot.series.push_back(series("odometry", "before", drawn.odometry, is_height));
     plot.series.push_back(series("optimised", "after", drawn.optimised, is_height));
   }
-  // Accepted ones last, on top.
-  for (const bool accepted : {false, true}) {
-    bool any = false;
-    for (const ReportClosure& c : input.closures) {
-      if ((c.status == "accepted") != accepted) continue;
-      any = true;
-      top.links.push_back({accepted ? "good" : "bad",
-                           {c.reference_position.x(), c.reference_position.y()},
-                           {c.query_position.x(), c.query_position.y()},
-                           closure_text(c)});
-    }
-    if (any) {
-      top.series.push_back(
-          {accepted ? "closure accepted" : "rejected", accepted ? "good" : "bad", {}, false});
-    }
-  }
+  add_links(input, top);
   return html + to_svg(top) + to_svg(height);
 }
 

@@ -44,12 +44,19 @@ struct PrecisionRecallPoint {
   double precision = 0.0, recall = 0.0;
 };
 
+/// One of several sessions in a common frame.
+struct ReportSession {
+  std::string name;
+  Trajectory trajectory;
+};
+
 /// What is empty is left out of the page.
 struct ReportInput {
   std::string title;
   std::vector<std::pair<std::string, std::string>> facts;  ///< recording, sensor, notes, version
   Trajectory odometry;                                     ///< before closing loops, world
   Trajectory optimised;                                    ///< after, world
+  std::vector<ReportSession> sessions;                     ///< drawn in colours instead of those
   Trajectory ground_truth;  ///< in its own frame; what the evaluations below were made with
   std::optional<TrajectoryEvaluation> odometry_evaluation, optimised_evaluation;
   TrajectoryEvaluationOptions evaluation_options;

@@ -1,6 +1,7 @@
 #include "backend/chain_condensation.hpp"
 
 #include <array>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 
@@ -30,6 +31,8 @@ class Condenser {
       if (first) ++next_component;
       keep_[i] = first || graph.vertices[i].fixed;
     }
+    root_.resize(graph.vertices.size());
+    std::iota(root_.begin(), root_.end(), 0);
     for (std::size_t k = 0; k < graph.edges.size(); ++k) note_edge(static_cast<int>(k));
     for (std::size_t i = 0; i < keep_.size(); ++i) {
       if (joints_[i].count != 2) keep_[i] = 1;
@@ -61,14 +64,25 @@ class Condenser {
   void note_edge(int k) {
     const GraphEdge& edge = graph_.edges[k];
     if (edge.rejected) return;
-    const bool joins = edge.kind == EdgeKind::odometry && edge.weight == 1.0 &&
-                       edge.information.llt().info() == Eigen::Success;
+    bool joins = edge.kind == EdgeKind::odometry && edge.weight == 1.0 &&
+                 edge.information.llt().info() == Eigen::Success;
+    // An edge that closes a ring of trusted edges keeps its ends: a run round the ring would end
+    // where it began.
+    joins = joins && join_roots(ends_[k].from, ends_[k].to);
     for (const int vertex : {ends_[k].from, ends_[k].to}) {
       if (!joins) keep_[vertex] = 1;
       Joint& joint = joints_[vertex];
       if (joint.count < 2) joint.edge[joint.count] = k;
       ++joint.count;
     }
+  }
+
+  // False where the two were joined before.
+  bool join_roots(int a, int b) {
+    while (root_[a] != a) a = root_[a] = root_[root_[a]];
+    while (root_[b] != b) b = root_[b] = root_[root_[b]];
+    root_[b] = a;
+    return a != b;
   }
 
   // The edge from the kept vertex `start` through edge `k` and on to the next kept vertex.
@@ -100,6 +114,7 @@ class Condenser {
   std::vector<Joint> joints_;
   std::vector<char> keep_;
   std::vector<char> used_;
+  std::vector<int> root_;  // of the trees that trusted edges form
 };
 
 }  // namespace

@@ -75,9 +75,9 @@ void ClosureFinder::add(const LocalMap& map) {
 
 ClosureRecord ClosureFinder::verify(const ClosureCandidate& candidate) {
   const auto start = std::chrono::steady_clock::now();
-  ClosureRecord record = verify_candidate(candidate, store_, candidate.query.map, store_,
-                                          candidate.reference.map, options_, verification_,
-                                          registration_);
+  ClosureRecord record =
+      verify_candidate(candidate, store_, candidate.query.map, store_, candidate.reference.map,
+                       options_, verification_, registration_);
   record.reference_session = record.query_session = session_;
   verification_seconds_ +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -29,10 +29,11 @@ std::vector<std::vector<Arc>> arcs_of(const PoseGraph& graph) {
     const auto [from, to] = ends[k];
     // A trace of information keeps singular directions finite.
     const Matrix6d regular = edge.information + 1e-6 * Matrix6d::Identity();
-    const RelativePose there{
-        graph.vertices[from].pose.inverse() * graph.vertices[to].pose, regular.inverse()};
-    const double length = there.covariance.topLeftCorner<3, 3>().trace() +
-                          kLeverArm * kLeverArm * there.covariance.bottomRightCorner<3, 3>().trace();
+    const RelativePose there{graph.vertices[from].pose.inverse() * graph.vertices[to].pose,
+                             regular.inverse()};
+    const double length =
+        there.covariance.topLeftCorner<3, 3>().trace() +
+        kLeverArm * kLeverArm * there.covariance.bottomRightCorner<3, 3>().trace();
     arcs[from].push_back({to, there, length});
     arcs[to].push_back({from, inverse(there), length});
   }

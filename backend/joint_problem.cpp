@@ -33,8 +33,8 @@ JointProblem::JointProblem(const std::vector<StoredSession>& sessions,
     const auto first_part = static_cast<int>(parts.size());
     const int first_vertex = maps;
     for (const SessionPart& source : session.parts) {
-      MergedPart part{&source, s,    maps, scans, 0, fixed == s, source.odometry, source.trajectory,
-                      source.maps};
+      MergedPart part{&source,           s,          maps, scans, 0, fixed == s, source.odometry,
+                      source.trajectory, source.maps};
       for (const LocalMapRecord& map : part.maps) {
         graph.vertices.push_back({maps++, map.T_world_map, false});
         part_of.push_back(static_cast<int>(parts.size()));

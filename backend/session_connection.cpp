@@ -278,8 +278,8 @@ void connect_sessions(JointProblem& problem, const MergeOptions& options,
     for (const Proposal& proposal : poor)
       refuse(problem, proposal, shortcoming(problem, proposal, options.connection));
     for (ClosureRecord& c : problem.closures) {
-      if (c.status == ClosureStatus::accepted &&
-          problem.frame_of(problem.query_vertex(c)) != problem.frame_of(problem.reference_vertex(c)))
+      if (c.status == ClosureStatus::accepted && problem.frame_of(problem.query_vertex(c)) !=
+                                                     problem.frame_of(problem.reference_vertex(c)))
         c.status = ClosureStatus::inconsistent;
     }
     return;

@@ -37,8 +37,7 @@ Matrix6d information_from(const TableRow& row) {
   Matrix6d information;
   std::size_t field = kClosureFields;
   for (int i = 0; i < 6; ++i) {
-    for (int j = i; j < 6; ++j)
-      information(i, j) = information(j, i) = row.number(field++);
+    for (int j = i; j < 6; ++j) information(i, j) = information(j, i) = row.number(field++);
   }
   return information;
 }
@@ -64,10 +63,10 @@ PairMatches match_parts(const SessionPart& reference, MapStore& references,
     MapDescription description = query.descriptions[m];
     description.key.session = 1;
     for (const ClosureCandidate& candidate : database.query(description, times)) {
-      ClosureRecord closure = verify_candidate(
-          candidate, queries, query.first_map + candidate.query.map, references,
-          reference.first_map + candidate.reference.map, options.closures, options.verification,
-          options.registration);
+      ClosureRecord closure =
+          verify_candidate(candidate, queries, query.first_map + candidate.query.map, references,
+                           reference.first_map + candidate.reference.map, options.closures,
+                           options.verification, options.registration);
       closure.reference_session = reference.name;
       closure.query_session = query.name;
       result.closures.push_back(std::move(closure));
@@ -100,7 +99,8 @@ std::vector<PairMatches> read_matches(const std::filesystem::path& file) {
   }
   const std::size_t end = text.rfind(kEnd);
   if (end == std::string::npos ||
-      text.substr(end) != std::string(kEnd) + std::to_string(checksum(text.substr(0, end))) + "\n") {
+      text.substr(end) !=
+          std::string(kEnd) + std::to_string(checksum(text.substr(0, end))) + "\n") {
     throw InputError(file.string() +
                      ": damaged or cut off; write it again with `groundloop match`");
   }
@@ -109,8 +109,11 @@ std::vector<PairMatches> read_matches(const std::filesystem::path& file) {
   for_each_row(file, body, 1, [&](const TableRow& row) {
     if (row.text(0) == "# pair") {
       row.expect_fields(5);
-      pairs.push_back({row.text(1), row.text(3), row.integer<std::uint64_t>(2),
-                       row.integer<std::uint64_t>(4), {}});
+      pairs.push_back({row.text(1),
+                       row.text(3),
+                       row.integer<std::uint64_t>(2),
+                       row.integer<std::uint64_t>(4),
+                       {}});
       return;
     }
     row.expect_fields(kClosureFields + kInformationFields);

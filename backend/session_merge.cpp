@@ -97,8 +97,7 @@ void match_pair(JointProblem& problem, const std::vector<PairMatches>& given, Se
   }
 }
 
-std::vector<int> joined_frames(const JointProblem& problem,
-                               const std::vector<int>& frames_before) {
+std::vector<int> joined_frames(const JointProblem& problem, const std::vector<int>& frames_before) {
   std::vector<int> joined;
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     const int frame = problem.parts[p].frame;
@@ -241,8 +240,8 @@ void mark_gauge(JointProblem& problem) {
   for (std::size_t v = 0; v < problem.graph.vertices.size(); ++v) {
     const MergedPart& part = problem.parts[problem.part_of[v]];
     problem.graph.vertices[v].fixed =
-        part.fixed || (!anchored[part.frame] &&
-                       static_cast<int>(v) == problem.parts[part.frame].first_map);
+        part.fixed ||
+        (!anchored[part.frame] && static_cast<int>(v) == problem.parts[part.frame].first_map);
   }
 }
 
@@ -275,8 +274,7 @@ MergeResult merge_sessions(const std::vector<StoredSession>& sessions,
     for (int reference = 0; reference < query; ++reference) {
       SessionPair pair{reference, query};
       pair.joined_before = frames_before[reference] == frames_before[query];
-      if (!pair.joined_before)
-        match_pair(problem, matches, pair, options, result.times, progress);
+      if (!pair.joined_before) match_pair(problem, matches, pair, options, result.times, progress);
       result.pairs.push_back(pair);
     }
   }

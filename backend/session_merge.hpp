@@ -58,7 +58,7 @@ struct MergedPart {
   std::size_t session = 0;  ///< place of its session in the input
   int first_map = 0;        ///< added to a map's number it gives its id in the merged session
   std::size_t first_scan = 0;
-  int frame = 0;       ///< the recording in whose frame its poses are; its own number: its own frame
+  int frame = 0;  ///< the recording in whose frame its poses are; its own number: its own frame
   bool fixed = false;  ///< held as the reference map
   Trajectory odometry, trajectory;
   std::vector<LocalMapRecord> maps;  ///< numbered in the recording, poses in the frame
@@ -69,7 +69,7 @@ struct SessionPair {
   int reference = 0, query = 0;
   std::size_t candidates = 0, verified = 0, accepted = 0;
   bool from_file = false;
-  bool joined_before = false;  ///< the input had them in one frame already; nothing was matched
+  bool joined_before = false;   ///< the input had them in one frame already; nothing was matched
   std::size_t shared_maps = 0;  ///< of the query, that lie on ground of the reference
 };
 

@@ -32,7 +32,6 @@ TableRow::TableRow(const std::filesystem::path& file, std::size_t line, std::str
     }
   }
   fields_.push_back(std::move(field));
-
 }
 
 void TableRow::expect_fields(std::size_t n) const {
