@@ -36,7 +36,9 @@ void check_consistency(const SolverInput& input, const std::vector<LocalMapRecor
     pairwise.push_back(
         {c.query_map, c.reference_map, {c.T_query_reference, c.information.inverse()}});
   }
-  if (judged.size() < 3 || !input.pairwise_consistency) return;
+  // Among a few the largest set is decided by chance.
+  constexpr std::size_t kFew = 6;
+  if (judged.size() < kFew || !input.pairwise_consistency) return;
   std::vector<Pose> T_world_scan;
   T_world_scan.reserve(input.odometry.size());
   for (const StampedPose& sample : input.odometry) T_world_scan.push_back(sample.pose);

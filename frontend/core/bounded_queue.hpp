@@ -1,5 +1,5 @@
-// A queue between two threads that holds a bounded number of items: the writer waits while it is full, the reader while it
-// is empty. Either side can close it.
+// A queue between two threads that holds a bounded number of items: the writer waits while it is
+// full, the reader while it is empty. Either side can close it.
 #pragma once
 
 #include <condition_variable>

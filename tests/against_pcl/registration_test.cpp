@@ -1,4 +1,6 @@
 // Our registration against PCL's generalised ICP on the same real scans: at least as accurate.
+#include "backend/registration.hpp"
+
 #include <limits>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
 
-#include "backend/registration.hpp"
 #include "tests/support/registration_pair.hpp"
 
 namespace groundloop {

@@ -206,8 +206,7 @@ INSTANTIATE_TEST_SUITE_P(Units, FolderTimes,
                                            TimeCase{"time_stamp", 1e6, 1.6e9, "us, absolute"},
                                            TimeCase{"timestamp", 1e9, 1.6e9, "ns, absolute"},
                                            TimeCase{"timestamp", 1, 5000, "from the first point"},
-                                           TimeCase{"timestamps", 10, 0,
-                                                    "share of the scan"}));
+                                           TimeCase{"timestamps", 10, 0, "share of the scan"}));
 
 TEST_F(Folder, DropsPointsWhoseTimeIsNaN) {
   write_file(folder_ / "0.pcd", pcd_header("x y z t", "4 4 4 4", "F F F F", 3, "ascii") +
