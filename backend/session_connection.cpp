@@ -232,18 +232,6 @@ void try_connection(JointProblem& problem, const Proposal& proposal, const Merge
     trial.edges.push_back(problem.edge_of(record));
     problem.closures.push_back(std::move(record));
   }
-  // What is left between the two contradicts the connection.
-  for (std::size_t k = 0; k < problem.closures.size() - test.found.size(); ++k) {
-    ClosureRecord& c = problem.closures[k];
-    if (c.status != ClosureStatus::accepted || c.source == ClosureSource::overlap) continue;
-    const bool inside = problem.frame_of(problem.query_vertex(c)) == staying &&
-                        problem.frame_of(problem.reference_vertex(c)) == staying;
-    const bool used = std::any_of(trial.edges.begin(), trial.edges.end(), [&](const GraphEdge& e) {
-      return e.kind == EdgeKind::closure && e.from == problem.query_vertex(c) &&
-             e.to == problem.reference_vertex(c);
-    });
-    if (inside && !used) c.status = ClosureStatus::inconsistent;
-  }
   problem.graph = std::move(trial);
 }
 

@@ -137,16 +137,20 @@ std::size_t add_revisits(JointProblem& problem, const std::vector<int>& frames_b
     if (progress) progress("overlaps between sessions", query, n);
     const int q = problem.part_of[query];
     std::vector<int> closures(problem.parts.size(), 0);
+    std::vector<int> closed;
     for (const ClosureRecord& c : problem.closures) {
-      if (c.status == ClosureStatus::accepted && problem.query_vertex(c) == query)
-        ++closures[problem.part_of[problem.reference_vertex(c)]];
+      if (c.status != ClosureStatus::accepted || problem.query_vertex(c) != query) continue;
+      closed.push_back(problem.reference_vertex(c));
+      ++closures[problem.part_of[closed.back()]];
     }
     std::vector<std::pair<double, int>> overlapping;
     for (int reference = 0; reference < problem.parts[q].first_map; ++reference) {
       const int r = problem.part_of[reference];
       if (frames_before[q] == frames_before[r] || problem.parts[q].frame != problem.parts[r].frame)
         continue;
-      if (closures[r] >= kClosuresOfAMap) continue;
+      if (closures[r] >= kClosuresOfAMap ||
+          std::find(closed.begin(), closed.end(), reference) != closed.end())
+        continue;
       if (std::find(tried.begin(), tried.end(), std::make_pair(reference, query)) != tried.end())
         continue;
       const double overlap = problem.predicted_overlap(problem.graph, reference, query);

@@ -90,6 +90,8 @@ Trajectory read_tum(const fs::path& file) {
                        ", expected 1");
     }
     sample.pose = Pose(q, Eigen::Vector3d(v[0], v[1], v[2]));
+    // Our own files are kept to the last bit, so that a trajectory read and written is the same.
+    if (std::abs(q.norm() - 1.0) < 1e-12) sample.pose.rotation = q;
     trajectory.push_back(sample);
   });
   if (trajectory.empty()) throw InputError(file.string() + ": holds no pose");

@@ -138,7 +138,7 @@ TEST_F(SessionMerge, GivesUpAFalseClosureBesideTrueOnes) {
                 closure("a", 5, "b", 2)})},
       std::nullopt, options(), {});
   EXPECT_LT(error_between(result, 0, 1), 1e-3);
-  EXPECT_EQ(result.closures[1].status, ClosureStatus::inconsistent);
+  EXPECT_EQ(result.closures[1].status, ClosureStatus::outlier);
   EXPECT_EQ(result.pairs[0].accepted, 2U);
 }
 
