@@ -146,8 +146,8 @@ void add_block(Mesh& mesh, const Place& place, const Block& b, Random style_rand
   add_roof(mesh, place, b);
 }
 
-void add_house(Mesh& mesh, const Place& place, double width, double depth, double height,
-               Random& random) {
+void add_house(Mesh& mesh, const Place& place, const Lot& lot, double height, Random& random) {
+  const double width = lot.width, depth = lot.depth;
   const Random style(random.bits());
   Block main{0, width, 0, depth};
   main.eaves = height;
@@ -163,16 +163,16 @@ void add_house(Mesh& mesh, const Place& place, double width, double depth, doubl
     wing.y1 = depth + random.uniform(3, 8);
     wing.eaves = height * random.uniform(0.5, 0.9);
     wing.roof = main.roof > 0.0 ? 0.35 * std::min(0.45 * width, wing.y1 - wing.y0) : 0.0;
-    add_block(mesh, place, wing, style);
+    if (wing.y1 - wing.y0 <= lot.behind) add_block(mesh, place, wing, style);
   }
   if (random.chance(0.4)) {  // a bay or porch to the street
     const double bay = random.uniform(1.6, 3.5),
                  at = random.uniform(0.0, std::max(0.1, width - bay));
-    Block porch{at, at + bay, -random.uniform(0.6, 1.5), 0.0};
+    Block porch{at, at + bay, -std::min(lot.before, random.uniform(0.6, 1.5)), 0.0};
     porch.foot = -1.5;
     porch.eaves = random.chance(0.5) ? std::min(height, 2.8) : height;
     porch.overhang = 0.2;
-    add_block(mesh, place, porch, style);
+    if (porch.y0 < -0.3) add_block(mesh, place, porch, style);
   }
   const int balconies = random.chance(0.3) ? random.below(4) : 0;
   for (int i = 0; i < balconies; ++i) {

@@ -13,6 +13,9 @@
 namespace groundloop::simulation {
 namespace {
 
+/// Below this nothing grows over a path, m; more than a walker's height, for slopes.
+constexpr double trimmed = 3.2;
+
 class Park final : public World {
  public:
   explicit Park(const SimulationParameters& parameters)
@@ -48,7 +51,7 @@ class Park final : public World {
     return result;
   }
   [[nodiscard]] Vec3 on_ground(const Vec2& p) const { return {p.x(), p.y(), ground(p)}; }
-  void line_path(Mesh& mesh, const Street& path) const;
+  void line_path(Mesh& mesh, const Street& path, const std::vector<Street>& others) const;
   void plant(Mesh& mesh, const ChunkId& chunk, const std::vector<Street>& around) const;
 
   std::uint64_t seed_, day_;
@@ -65,14 +68,18 @@ void Park::build(const ChunkId& chunk, Mesh& mesh) const {
         return clearance(around, p) < 0.0 ? Material::paving : Material::grass;
       });
   for (int axis = 0; axis < 2; ++axis) {
-    if (const auto path = network_.street({chunk.i, chunk.j}, axis)) line_path(mesh, *path);
+    const auto path = network_.street({chunk.i, chunk.j}, axis);
+    if (!path) continue;
+    std::vector<Street> others = around;
+    std::erase_if(others, [&](const Street& s) { return s.key == path->key; });
+    line_path(mesh, *path, others);
   }
   plant(mesh, chunk, around);
 }
 
-void Park::line_path(Mesh& mesh, const Street& path) const {
+void Park::line_path(Mesh& mesh, const Street& path, const std::vector<Street>& others) const {
   Random random(key_of(path.key, 1));
-  const double length = path.length(), edge = path.half_width + path.pavement;
+  const double length = path.length(), edge = path.edge();
   const auto beside = [&](double x, double away) {
     const Vec2 d = path.direction(x / length);
     return Vec2(path.point(x / length) + away * Vec2(-d.y(), d.x()));
@@ -82,18 +89,21 @@ void Park::line_path(Mesh& mesh, const Street& path) const {
   for (double x = random.uniform(8, 20); x < length - 8; x += random.uniform(15, 45)) {
     const double side = random.chance(0.5) ? 1.0 : -1.0;
     // Benches face the path.
-    const Vec2 forward = path.direction(x / length) * side;
-    add_bench(mesh, Place{on_ground(beside(x, side * (edge + 0.6))), forward});
+    const Vec2 forward = path.direction(x / length) * side, p = beside(x, side * (edge + 0.6));
+    if (clearance(others, p) > 1.0) add_bench(mesh, Place{on_ground(p), forward});
   }
   for (double x = 12.0; lamps && x < length - 8; x += 28.0) {
-    add_lamp(mesh, Place{on_ground(beside(x, edge + 0.3)), -path.direction(x / length)}, 4.0);
+    const Vec2 p = beside(x, edge + 0.3);
+    if (clearance(others, p) < 0.5) continue;
+    add_lamp(mesh, Place{on_ground(p), -path.direction(x / length)}, 4.0);
   }
   for (double x = 10.0; trees && x < length - 8; x += gap * random.uniform(0.8, 1.2)) {
     for (const double side : {-1.0, 1.0}) {
-      const double height = random.uniform(7, 12);
+      const Tree tree{random.uniform(8, 13), foliage_, trimmed};
       const Random shape(random.bits());
-      add_tree(mesh, on_ground(beside(x, side * (edge + 1.8))), height, foliage_, shape,
-               Random(key_of(day_, path.key, static_cast<std::int64_t>(10 * x), side > 0)));
+      const Random season(key_of(day_, path.key, static_cast<std::int64_t>(10 * x), side > 0));
+      const Vec2 p = beside(x, side * (edge + 1.8));
+      if (clearance(others, p) > 1.0) add_tree(mesh, on_ground(p), tree, shape, season);
     }
   }
 }
@@ -108,15 +118,21 @@ void Park::plant(Mesh& mesh, const ChunkId& chunk, const std::vector<Street>& ar
     const Random shape(random.bits()), season(day.bits());
     // Woods and meadows: trees stand where a slow noise is high.
     const double wood = value_noise(key_of(seed_, 5), p, 60.0);
-    if (clearance(around, p) < 1.5 || dice > std::clamp(0.25 + 0.6 * wood, 0.04, 0.7)) continue;
-    add_tree(mesh, on_ground(p), height, foliage_, shape, season);
+    const double free = clearance(around, p);
+    if (free < 1.5 || dice > std::clamp(0.25 + 0.6 * wood, 0.04, 0.7)) continue;
+    const bool over_path = free < 0.4 * height + 1.0;
+    add_tree(mesh, on_ground(p), {height, foliage_, over_path ? trimmed : 0.0}, shape, season);
   }
   for (int i = 0; i < 24; ++i) {  // bushes come and go
     const Vec2 p = corner + chunk_size() * Vec2(day.uniform(), day.uniform());
     const double heading = day.uniform(0, 6.28), size = day.uniform(0.5, 2.5);
     const double height = day.uniform(0.5, 1.6);
-    if (clearance(around, p) < 1.0) continue;
     const Vec2 half = size * Vec2(std::cos(heading), std::sin(heading));
+    constexpr double margin = 1.5;
+    if (std::min({clearance(around, p), clearance(around, p - half), clearance(around, p + half)}) <
+        margin) {
+      continue;
+    }
     add_hedge(mesh, on_ground(p - half), on_ground(p + half), height, 1.2, day);
   }
 }

@@ -8,8 +8,8 @@
 
 namespace groundloop::simulation {
 
-void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Random shape,
-              Random season) {
+void add_tree(Mesh& mesh, const Vec3& foot, const Tree& tree, Random shape, Random season) {
+  const double height = tree.height;
   const double trunk = height * shape.uniform(0.2, 0.35);
   const double lean_x = shape.uniform(-0.04, 0.04), lean_y = shape.uniform(-0.04, 0.04);
   const double radius = height * shape.uniform(0.018, 0.03);
@@ -23,9 +23,12 @@ void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Rando
     const Vec3 tip =
         centre + Vec3(0.7 * crown_radius * std::cos(angle), 0.7 * crown_radius * std::sin(angle),
                       half_height * shape.uniform(-0.3, 0.5));
-    add_bar(mesh, foot + Vec3(0, 0, trunk * shape.uniform(0.9, 1.5)), tip, radius, Material::wood);
+    const double root = trunk * shape.uniform(0.9, 1.5);
+    if (std::min(root, tip.z() - foot.z()) < tree.clear) continue;
+    add_bar(mesh, foot + Vec3(0, 0, root), tip, radius, Material::wood);
   }
-  const int clumps = static_cast<int>(foliage * std::min(240.0, 26.0 * crown_radius * half_height));
+  const int clumps =
+      static_cast<int>(tree.foliage * std::min(240.0, 26.0 * crown_radius * half_height));
   for (int i = 0; i < clumps; ++i) {
     Vec3 p;
     do {
@@ -37,6 +40,7 @@ void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Rando
       return p + size * Vec3(season.uniform(-1, 1), season.uniform(-1, 1), season.uniform(-1, 1));
     };
     const Vec3 a = corner(), b = corner(), c = corner();
+    if (std::min({a.z(), b.z(), c.z()}) - foot.z() < tree.clear) continue;
     mesh.triangle(a, b, c, Material::leaves);
   }
 }

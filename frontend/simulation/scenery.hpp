@@ -20,14 +20,24 @@ struct Block {
 
 /// Walls with recessed windows and pillars, and the roof. The sequence `style` decides spacings.
 void add_block(Mesh& mesh, const Place& place, const Block& block, Random style);
-/// A house of one to three blocks on a lot of the given width and depth.
-void add_house(Mesh& mesh, const Place& place, double width, double depth, double height,
-               Random& random);
+/// A lot and what may be built on it: a house of the given width and depth, with its front at
+/// y = 0, and porches and wings in the room before and behind it. Metres.
+struct Lot {
+  double width, depth;
+  double before = 0.0, behind = 0.0;
+};
+/// A house of one to three blocks.
+void add_house(Mesh& mesh, const Place& place, const Lot& lot, double height, Random& random);
 
-/// A trunk and a crown of scattered leaf clumps; `foliage` in [0, 1] is how much of it is there.
-/// The trunk depends on `shape`, the leaves on `season`.
-void add_tree(Mesh& mesh, const Vec3& foot, double height, double foliage, Random shape,
-              Random season);
+struct Tree {
+  double height = 8.0;
+  double foliage = 1.0;  ///< in [0, 1]: how much of the crown is there
+  double clear = 0.0;    ///< over the foot; boughs and leaves below it are cut, as beside a way
+};
+
+/// A trunk and a crown of scattered leaf clumps. The trunk depends on `shape`, the leaves on
+/// `season`.
+void add_tree(Mesh& mesh, const Vec3& foot, const Tree& tree, Random shape, Random season);
 /// A car of 4 to 5 m (or a van) that heads along the place's x axis, its middle at the place.
 void add_car(Mesh& mesh, const Place& place, Random& random);
 void add_person(Mesh& mesh, const Place& place, Random& random);

@@ -77,7 +77,7 @@ double clearance(const std::vector<Street>& streets, const Vec2& p) {
   constexpr int steps = 8;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Street& street : streets) {
-    const double edge = street.half_width + street.pavement;
+    const double edge = street.edge();
     // The curve stays within the triangle of its control points: far ones need no closer look.
     const Vec2 middle = 0.5 * (street.from + street.to);
     const double reach = 0.5 * (street.to - street.from).norm() + (street.bend - middle).norm();

@@ -3,6 +3,7 @@
 // function of the seed alone.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -28,12 +29,22 @@ struct Street {
   /// Unit vector along the street.
   [[nodiscard]] Vec2 direction(double t) const;
   [[nodiscard]] double length() const;
+  /// Distance from the middle to the edge of the pavements, m.
+  [[nodiscard]] double edge() const { return half_width + pavement; }
+  /// Where people walk, metres from the middle: nearer the houses than the kerb, at which cars are
+  /// parked and lamps stand; well on a path that has no kerb.
+  [[nodiscard]] double walking_line() const {
+    return pavement < 1.0 ? 0.6 * half_width : half_width + 0.5 * pavement + 0.25;
+  }
+  /// The middle of the lane beside the oncoming one, metres from the middle of the street. Two cars
+  /// pass each other there, and a parked one.
+  [[nodiscard]] double driving_lane() const { return std::clamp(0.4 * half_width, 0.95, 1.7); }
 };
 
 struct StreetNetworkOptions {
-  double min_half_width = 3.2, max_half_width = 5.2;  ///< of carriageways, m
+  double min_half_width = 4.2, max_half_width = 5.4;  ///< of carriageways, m
   double avenues = 0.2;                               ///< share of streets with two lanes each way
-  double min_pavement = 1.4, max_pavement = 3.0;      ///< m
+  double min_pavement = 2.0, max_pavement = 3.2;      ///< m
   double bend = 16.0;                                 ///< of streets out of the straight line, m
   int river = 0;  ///< width, in spacings, of a river that only one bridge crosses; 0: none
 };

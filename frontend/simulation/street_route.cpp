@@ -119,6 +119,17 @@ void add_corner(std::vector<Vec2>& line, const Vec2& from, const Vec2& direction
   }
 }
 
+/// Metres to the right of the street's middle that the carrier keeps on one drive of a street.
+double choose_lane(const Street& street, const std::string& carrier, Random& random) {
+  if (carrier != "car") return street.walking_line() + random.uniform(-0.2, 0.2);
+  // Now nearer the kerb, now nearer the middle, and on avenues in the one lane or the other: a
+  // revisit is never quite in the same track. Parked cars reach 1.7 m into the street.
+  const double outermost = std::max(0.9, street.half_width - 2.6);
+  const bool outer = outermost > 4.0 && random.chance(0.5);
+  const double wish = outer ? outermost - 0.3 : street.driving_lane();
+  return std::clamp(wish + random.gauss(0.3), 0.9, outermost);
+}
+
 }  // namespace
 
 std::vector<Crossing> choose_crossings(const StreetNetwork& network,
@@ -146,31 +157,39 @@ std::vector<Crossing> choose_crossings(const StreetNetwork& network,
 
 Way plan_street_route(const StreetNetwork& network, const SimulationParameters& parameters) {
   const std::vector<Crossing> crossings = choose_crossings(network, parameters);
-  constexpr double corner = 9.0;  // cut off the street at each crossing, m
+  std::vector<Street> streets;
+  for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
+    streets.push_back(*network.between(crossings[k], crossings[k + 1]));
+  }
+  const bool car = parameters.carrier == "car";
+  // What is cut off a street where it meets another; who walks turns where the pavements meet.
+  const auto corner = [&](std::size_t other) {
+    return car || other >= streets.size() ? 9.0 : std::max(9.0, streets[other].edge() + 0.3);
+  };
   Way way;
   Random random(key_of(parameters.seed, 31, parameters.route));
-  Vec2 last_direction = Vec2::Zero();
   const auto pad = [&](const Street& street, double lane) {
+    // Cars of the carrier's own direction drive where it does, or beside it where it walks.
+    way.along.resize(way.points.size(), car ? 0.0 : lane - street.driving_lane());
+    way.oncoming.resize(way.points.size(), lane + (car ? lane : street.driving_lane()));
     way.centre.resize(way.points.size(), lane);
-    way.oncoming.resize(way.points.size(), 2.0 * lane);
-    way.pavement.resize(way.points.size(), street.half_width + 0.5 * street.pavement);
+    way.pavement.resize(way.points.size(), street.walking_line());
   };
-  for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
-    const Street street = *network.between(crossings[k], crossings[k + 1]);
+  Vec2 last_direction = Vec2::Zero();
+  for (std::size_t k = 0; k < streets.size(); ++k) {
+    const Street& street = streets[k];
     const double length = street.length();
-    // Now nearer the kerb, now nearer the middle: a revisit is never quite in the same track.
-    const double lane = parameters.carrier == "car"
-                            ? std::clamp(0.45 * street.half_width + random.gauss(0.35), 0.9, 2.6)
-                            : street.half_width + 0.5 * street.pavement + random.uniform(-0.3, 0.3);
-    const int steps = static_cast<int>((length - 2 * corner) / 1.0);
+    const double lane = choose_lane(street, parameters.carrier, random);
+    const double begin = corner(k - 1), end = length - corner(k + 1);
+    const int steps = std::max(1, static_cast<int>(end - begin));
     for (int i = 0; i <= steps; ++i) {
-      const double t = (corner + (length - 2 * corner) * i / steps) / length;
+      const double t = (begin + (end - begin) * i / steps) / length;
       const Vec2 d = street.direction(t);
       const Vec2 p = street.point(t) + lane * Vec2(d.y(), -d.x());
       if (i == 0 && !way.points.empty()) {
-        const Vec2 end = way.points.back();
+        const Vec2 from = way.points.back();
         way.stops.push_back(way.points.size() - 1);
-        add_corner(way.points, end, last_direction, p, d);
+        add_corner(way.points, from, last_direction, p, d);
         pad(street, lane);
       }
       way.points.push_back(p);

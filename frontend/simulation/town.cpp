@@ -17,6 +17,9 @@
 namespace groundloop::simulation {
 namespace {
 
+/// Below this nothing grows over a pavement, m.
+constexpr double trimmed = 2.7;
+
 class Town final : public World {
  public:
   Town(const SimulationParameters& parameters, int river)
@@ -55,6 +58,7 @@ class Town final : public World {
   /// One side of a street: +1 is the left one.
   struct Side {
     const Street& street;
+    const std::vector<Street>& others;  ///< the streets around without this one
     double sign;
     double length;
     [[nodiscard]] Vec2 at(double x, double away) const {
@@ -66,15 +70,18 @@ class Town final : public World {
       return street.direction(std::clamp(x / length, 0.0, 1.0));
     }
     [[nodiscard]] double kerb() const { return street.half_width; }
-    [[nodiscard]] double front() const { return street.half_width + street.pavement; }
+    [[nodiscard]] double front() const { return street.edge(); }
+    /// Whether a point lies at least so many metres from all other streets.
+    [[nodiscard]] bool free(const Vec2& p, double margin) const {
+      return clearance(others, p) > margin;
+    }
   };
 
   [[nodiscard]] Vec3 on_ground(const Vec2& p, double z = 0.0) const {
     return {p.x(), p.y(), ground(p) + z};
   }
   void build_pavement(Mesh& mesh, const Side& side) const;
-  void build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& around,
-                  Random random) const;
+  void build_lots(Mesh& mesh, const Side& side, Random random) const;
   void build_garden(Mesh& mesh, const Side& side, double x, double width, double depth,
                     Random& random, Random& day) const;
   void build_furniture(Mesh& mesh, const Side& side, Random random) const;
@@ -105,11 +112,13 @@ void Town::build(const ChunkId& chunk, Mesh& mesh) const {
     const auto street = network_.street(crossing, axis);
     if (!street || street->bridge) continue;
     const double parking = Random(key_of(street->key, 1)).uniform(0.15, 0.8);
+    std::vector<Street> others = around;
+    std::erase_if(others, [&](const Street& s) { return s.key == street->key; });
     for (const double sign : {-1.0, 1.0}) {
-      const Side side{*street, sign, street->length()};
+      const Side side{*street, others, sign, street->length()};
       const std::uint64_t key = key_of(street->key, sign > 0);
       build_pavement(mesh, side);
-      build_lots(mesh, side, around, Random(key_of(key, 2)));
+      build_lots(mesh, side, Random(key_of(key, 2)));
       build_furniture(mesh, side, Random(key_of(key, 3)));
       build_parked_cars(mesh, side, parking);
     }
@@ -133,8 +142,7 @@ void Town::build_pavement(Mesh& mesh, const Side& side) const {
   }
 }
 
-void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& around,
-                      Random random) const {
+void Town::build_lots(Mesh& mesh, const Side& side, Random random) const {
   // Rows of houses, villas with gardens, or blocks of flats.
   // Beyond a river the town is newer and taller.
   const bool beyond = bridge_ && side.street.from.x() > StreetNetwork::spacing;
@@ -163,19 +171,24 @@ void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& a
     forward = Vec2(forward.x() - skew * forward.y(), forward.y() + skew * forward.x()).normalized();
     const Vec2 left(-forward.y(), forward.x());
     const Vec2 corner = side.at(middle, front) - 0.5 * width * forward;
-    bool free = true;
-    for (const double u : {0.0, 0.5, 1.0}) {
-      for (const double v : {0.02, 0.5, 1.3}) {
-        const Vec2 p = corner + u * width * forward + v * depth * left;
-        free = free && clearance(around, p) > 0.0;
+    // Free of all streets, its own among them where that bends.
+    const auto free = [&](double y) {
+      bool all = true;
+      for (const double u : {0.0, 0.5, 1.0}) {
+        const Vec2 p = corner + u * width * forward + y * left;
+        all = all && side.free(p, 0.2) && clearance({side.street}, p) > -0.1;
       }
-    }
-    if (free && !empty) {
+      return all;
+    };
+    if (!empty && free(0.1) && free(0.5 * depth) && free(depth)) {
+      constexpr double wing = 8.0;
+      const bool room = free(depth + 0.5 * wing) && free(depth + wing);
+      const Lot lot{width, depth, setback + 0.1, room ? wing : 0.0};
       add_house(mesh,
                 Place{on_ground(corner + 0.5 * width * forward) -
                           Vec3(0.5 * width * forward.x(), 0.5 * width * forward.y(), 0),
                       forward},
-                width, depth, height, random);
+                lot, height, random);
     }
     if ((!rows || empty) && x + width < side.length - 8) {
       build_garden(mesh, side, x, width, setback, random, day);
@@ -187,20 +200,21 @@ void Town::build_lots(Mesh& mesh, const Side& side, const std::vector<Street>& a
 
 void Town::build_garden(Mesh& mesh, const Side& side, double x, double width, double depth,
                         Random& random, Random& day) const {
-  const double line = side.front() + 0.25;
+  const double line = side.front() + 0.35;
   const Vec3 a = on_ground(side.at(x + 0.6, line)), b = on_ground(side.at(x + width - 2.8, line));
-  const double kind = random.uniform();
-  if (kind < 0.4) {
-    add_hedge(mesh, a, b, random.uniform(0.9, 2.0), 0.6, day);
-  } else if (kind < 0.75) {
-    add_fence(mesh, a, b, random.uniform(0.8, 1.5));
+  const bool free = side.free(a.head<2>(), 0.5) && side.free(b.head<2>(), 0.5);
+  const double kind = random.uniform(), height = random.uniform();
+  if (kind < 0.4 && free) {
+    add_hedge(mesh, a, b, 0.9 + 1.1 * height, 0.6, day);
+  } else if (kind < 0.75 && free) {
+    add_fence(mesh, a, b, 0.8 + 0.7 * height);
   }
   if (random.chance(0.6)) {
     const Vec2 p =
         side.at(x + random.uniform(1, width - 1), line + random.uniform(0.8, 1.0 + depth));
-    const double height = random.uniform(3, 9);
-    const Random shape(random.bits());
-    add_tree(mesh, on_ground(p), height, foliage_, shape, Random(day.bits()));
+    const Tree tree{random.uniform(3, 9), foliage_, trimmed};
+    const Random shape(random.bits()), season(day.bits());
+    if (side.free(p, 0.6)) add_tree(mesh, on_ground(p), tree, shape, season);
   }
 }
 
@@ -208,24 +222,25 @@ void Town::build_furniture(Mesh& mesh, const Side& side, Random random) const {
   const double lamp_gap = random.uniform(24, 38), start = random.uniform(10, 25);
   const Vec2 to_street_sign = Vec2::Constant(-side.sign);
   for (double x = start; x < side.length - 8; x += lamp_gap * random.uniform(0.9, 1.1)) {
-    const Vec2 p = side.at(x, side.kerb() + 0.4);
+    const Vec2 p = side.at(x, side.kerb() + 0.35);
     const Vec2 along = side.along(x) * (side.sign > 0 ? -1.0 : 1.0);
-    add_lamp(mesh, Place{on_ground(p), along}, random.uniform(4.5, 8.0));
+    const double height = random.uniform(4.5, 8.0);
+    if (side.free(p, 0.4)) add_lamp(mesh, Place{on_ground(p), along}, height);
   }
   for (int i = random.below(4); i > 0; --i) {
     const double x = random.uniform(9, side.length - 9);
-    const Vec2 along = side.along(x) * to_street_sign.x();
-    add_sign(mesh, Place{on_ground(side.at(x, side.kerb() + 0.5)), along}, random);
+    const Vec2 p = side.at(x, side.kerb() + 0.45), along = side.along(x) * to_street_sign.x();
+    if (side.free(p, 0.4)) add_sign(mesh, Place{on_ground(p), along}, random);
   }
   const bool avenue = random.chance(0.35);
   const double gap = random.uniform(8, 16);
   for (double x = random.uniform(11, 18); avenue && x < side.length - 10;
        x += gap * random.uniform(0.8, 1.3)) {
-    const Vec2 p = side.at(x, side.kerb() + 0.8);
-    const double height = random.uniform(4, 10);
+    const Vec2 p = side.at(x, side.kerb() + 0.45);
+    const Tree tree{random.uniform(6, 11), foliage_, trimmed};
     const Random shape(random.bits());
-    add_tree(mesh, on_ground(p), height, foliage_, shape,
-             Random(key_of(day_, 20, side.street.key, static_cast<std::int64_t>(100 * x))));
+    const Random season(key_of(day_, 20, side.street.key, static_cast<std::int64_t>(100 * x)));
+    if (side.free(p, 0.6)) add_tree(mesh, on_ground(p), tree, shape, season);
   }
 }
 
@@ -233,12 +248,16 @@ void Town::build_parked_cars(Mesh& mesh, const Side& side, double density) const
   Random day(key_of(day_, 21, side.street.key, side.sign > 0));
   for (double x = 12.0; x < side.length - 14.0; x += day.uniform(5.6, 7.5)) {
     if (!day.chance(density)) continue;
-    // Half on the pavement, as is the custom in narrow streets.
-    const Vec2 p = side.at(x, side.kerb() + day.uniform(-0.9, 0.3));
+    // Two wheels on the pavement, as is the custom in narrow streets.
+    const Vec2 p = side.at(x, side.kerb() + day.uniform(-0.65, -0.45));
     Vec2 along = side.along(x) * (day.chance(0.85) == (side.sign > 0) ? -1.0 : 1.0);
-    const double skew = day.gauss(0.03);
+    const double skew = day.gauss(0.015);
     along = Vec2(along.x() - skew * along.y(), along.y() + skew * along.x()).normalized();
-    add_car(mesh, Place{on_ground(p, 0.06), along}, day);
+    const Random shape(day.bits());
+    if (side.free(p - 2.4 * along, 0.6) && side.free(p + 2.4 * along, 0.6)) {
+      Random look = shape;
+      add_car(mesh, Place{on_ground(p, 0.06), along}, look);
+    }
   }
 }
 
@@ -249,10 +268,10 @@ void Town::build_green(Mesh& mesh, const ChunkId& chunk, const std::vector<Stree
   const int trees = 6 + random.below(26);
   for (int i = 0; i < trees; ++i) {
     const Vec2 p = corner + chunk_size() * Vec2(random.uniform(), random.uniform());
-    const double height = random.uniform(4, 13);
-    const Random shape(random.bits());
+    const Tree tree{random.uniform(4, 13), foliage_};
+    const Random shape(random.bits()), season(day.bits());
     if (clearance(around, p) < 16.0) continue;
-    add_tree(mesh, on_ground(p), height, foliage_, shape, Random(day.bits()));
+    add_tree(mesh, on_ground(p), tree, shape, season);
   }
   for (int i = 0; i < 4; ++i) {
     const Vec2 p = corner + chunk_size() * Vec2(day.uniform(), day.uniform());

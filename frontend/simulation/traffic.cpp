@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "frontend/simulation/random.hpp"
 #include "frontend/simulation/scenery.hpp"
@@ -11,10 +12,13 @@ namespace groundloop::simulation {
 namespace {
 
 constexpr int car_shapes = 8, person_shapes = 6;
+constexpr double beyond_range = 130.0;  ///< where bodies come and go, m
+constexpr double follow_gap = 7.0;      ///< between the middles of two standing cars, m
 
-/// A value of the way's points at each knot of the line, by arc length.
+/// A value of the way's points at each knot of the line, by arc length; where it changes from
+/// street to street, it does so over some metres.
 std::vector<double> by_knot(const Way& way, const std::vector<double>& values, const Line& line) {
-  std::vector<double> result;
+  std::vector<double> exact;
   double arc = 0.0;
   std::size_t i = 0;
   for (double s = 0.0; s <= line.length() + 1e-9; s += Line::step) {
@@ -24,7 +28,15 @@ std::vector<double> by_knot(const Way& way, const std::vector<double>& values, c
       arc += d;
       ++i;
     }
-    result.push_back(values[i]);
+    exact.push_back(values[i]);
+  }
+  constexpr std::ptrdiff_t reach = 16;
+  const auto n = static_cast<std::ptrdiff_t>(exact.size());
+  std::vector<double> result;
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    const auto first = exact.begin() + std::max<std::ptrdiff_t>(0, k - reach);
+    const auto last = exact.begin() + std::min(n, k + reach + 1);
+    result.push_back(std::accumulate(first, last, 0.0) / static_cast<double>(last - first));
   }
   return result;
 }
@@ -35,6 +47,7 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
                  const SimulationParameters& parameters, RayCaster& caster)
     : world_(world),
       motion_(motion),
+      along_(by_knot(way, way.along, motion.line())),
       oncoming_(by_knot(way, way.oncoming, motion.line())),
       pavement_(by_knot(way, way.pavement, motion.line())),
       centre_(by_knot(way, way.centre, motion.line())) {
@@ -49,42 +62,78 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
     caster.add_shape(mesh);
   }
   Random random(key_of(parameters.seed, 71, parameters.route, parameters.change));
+  const bool drives = parameters.carrier == "car";
+  if (drives && way.cars) add_followers(motion.duration(), random);
+  if (way.cars) add_cars(motion.duration(), !drives, random);
+  add_people(random);
+}
+
+void Traffic::add_followers(double end, Random& random) {
   const auto car = [&] { return static_cast<std::size_t>(random.below(car_shapes)); };
-  const auto person = [&] {
-    return static_cast<std::size_t>(car_shapes + random.below(person_shapes));
-  };
-  const double end = motion.duration();
-  const bool drives = parameters.carrier == "car" && way.cars;
-  for (double t = random.uniform(0, 20); drives && t < end;) {  // ahead, and behind
-    const double stays = random.uniform(15, 60);
-    agents_.push_back({car(), random.uniform(1.3, 2.6), 0, 0, 0, 0, t, t + stays, true});
+  for (double t = random.uniform(-20, 20); t < end;) {
+    const double stays = random.uniform(65, 130);
+    add({car(), Lane::carrier, 0, 0, 0, 0, t, t + stays, random.uniform(1.3, 2.6)});
     if (random.chance(0.4)) {
-      agents_.push_back({car(), -random.uniform(1.5, 2.5), 0, 0, 0, 0, t, t + stays, true});
+      add({car(), Lane::carrier, 0, 0, 0, 0, t, t + stays, -random.uniform(1.5, 2.5)});
     }
-    t += stays + random.uniform(10, 70);
-  }
-  for (double t = random.uniform(0, 8); way.cars && t < end; t += random.uniform(4, 16)) {
-    agents_.push_back(
-        {car(), motion.distance(t), t, -random.uniform(5, 10), 0.0, 1, t - 14, t + 14, false});
-  }
-  for (double s = 5.0; s < motion.line().length(); s += random.uniform(6, 40)) {
-    // When the carrier comes by; duration is short against the way, so halving will do.
-    double low = 0.0, high = end;
-    for (int i = 0; i < 30; ++i) {
-      const double middle = 0.5 * (low + high);
-      (motion.distance(middle) < s ? low : high) = middle;
-    }
-    const double speed = random.uniform(0.7, 1.7) * (random.chance(0.5) ? 1.0 : -1.0);
-    agents_.push_back({person(), s, low, speed, random.uniform(-0.6, 0.6),
-                       random.chance(0.5) ? 2 : 3, low - 40, low + 40, false});
+    t += stays + random.uniform(0, 60);
   }
 }
 
+void Traffic::add_cars(double end, bool overtake, Random& random) {
+  for (double t = random.uniform(0, 8); t < end; t += random.uniform(4, 16)) {
+    const auto shape = static_cast<std::size_t>(random.below(car_shapes));
+    const double speed = random.uniform(5, 10), reach = beyond_range / speed;
+    const bool along = overtake && random.chance(0.5);
+    add({shape, along ? Lane::along : Lane::oncoming, motion_.distance(t), t,
+         along ? speed : -speed, 0.0, t - 1.4 * reach, t + 1.4 * reach});
+  }
+}
+
+void Traffic::add_people(Random& random) {
+  for (double s = 5.0; s < motion_.line().length(); s += random.uniform(6, 40)) {
+    const auto shape = static_cast<std::size_t>(car_shapes + random.below(person_shapes));
+    const double speed = random.uniform(0.7, 1.7) * (random.chance(0.5) ? 1.0 : -1.0);
+    const Lane lane = random.chance(0.5) ? Lane::left_pavement : Lane::right_pavement;
+    const double t = time_at(s);
+    const double from = std::max(time_at(s - beyond_range), t - 90.0);
+    const double until = std::min(time_at(s + beyond_range), t + 90.0);
+    add({shape, lane, s, t, speed, random.uniform(-0.6, 0.6), from, until});
+  }
+}
+
+void Traffic::add(const Agent& agent) {
+  constexpr double step = 0.2;  // in which nobody passes through anybody, s
+  const bool person = agent.shape >= car_shapes;
+  const double half_length = person ? 0.6 : 3.8, half_width = person ? 0.6 : 1.2;
+  const double from = std::max(0.0, agent.from), until = std::min(motion_.duration(), agent.until);
+  for (double t = from; t < until; t += step) {
+    if (std::abs(along(agent, t) - motion_.distance(t)) > 2.0 * beyond_range) continue;
+    const Vec3 d = pose(agent, t).inverse() * motion_.pose(t).translation;
+    if (std::abs(d.x()) < half_length && std::abs(d.y()) < half_width) return;
+  }
+  agents_.push_back(agent);
+}
+
+double Traffic::time_at(double s) const {
+  double low = 0.0, high = motion_.duration();
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (motion_.distance(middle) < s ? low : high) = middle;
+  }
+  return low;
+}
+
 double Traffic::along(const Agent& agent, double seconds) const {
-  if (!agent.follows) return agent.s0 + agent.speed * (seconds - agent.t0);
-  // The same drive some seconds sooner or later, and never on the carrier's bumper.
-  const double gap = agent.s0 > 0.0 ? 7.0 : -7.0;
-  return motion_.distance(seconds + agent.s0) + gap;
+  if (agent.lead == 0.0) return agent.s0 + agent.speed * (seconds - agent.t0);
+  // The same drive some seconds sooner or later, and never on the carrier's bumper. It is caught up
+  // with, and draws away at last.
+  constexpr double ramp = 25.0, far = 12.0;
+  const double edge = std::min(seconds - agent.from, agent.until - seconds);
+  const double u = std::clamp(1.0 - edge / ramp, 0.0, 1.0);
+  const double lead = std::abs(agent.lead) + far * u * u * (3.0 - 2.0 * u);
+  return agent.lead > 0.0 ? motion_.distance(seconds + lead) + follow_gap
+                          : motion_.distance(seconds - lead) - follow_gap;
 }
 
 Pose Traffic::pose(const Agent& agent, double seconds) const {
@@ -93,15 +142,21 @@ Pose Traffic::pose(const Agent& agent, double seconds) const {
   const auto k =
       std::min(static_cast<std::size_t>(std::max(0.0, s / Line::step)), oncoming_.size() - 1);
   double lateral = agent.lateral;
-  if (agent.side == 1) lateral += oncoming_[k];
-  if (agent.side == 2) lateral += centre_[k] + pavement_[k];
-  if (agent.side == 3) lateral += centre_[k] - pavement_[k];
+  const bool walks = agent.lane == Lane::left_pavement || agent.lane == Lane::right_pavement;
+  if (agent.lane == Lane::along) lateral += along_[k];
+  if (agent.lane == Lane::oncoming) lateral += oncoming_[k];
+  if (walks) {
+    lateral += centre_[k] + (agent.lane == Lane::left_pavement ? pavement_[k] : -pavement_[k]);
+    // Who meets the carrier on the pavement steps aside.
+    constexpr double aside = 0.9;
+    if (std::abs(lateral) < aside) lateral = agent.lateral < 0.0 ? -aside : aside;
+  }
   const double heading = line.heading(s);
   const Vec2 p = line.point(s) + lateral * Vec2(-std::sin(heading), std::cos(heading));
-  const bool reversed = !agent.follows && agent.speed < 0.0;
+  const bool reversed = agent.lead == 0.0 && agent.speed < 0.0;
   const Eigen::AngleAxisd turn(heading + (reversed ? std::numbers::pi : 0.0), Vec3::UnitZ());
   return Pose(Eigen::Quaterniond(turn),
-              Vec3(p.x(), p.y(), world_.ground(p) + (agent.side >= 2 ? 0.12 : 0.0)));
+              Vec3(p.x(), p.y(), world_.ground(p) + (walks ? 0.12 : 0.0)));
 }
 
 std::vector<MovingBody> Traffic::bodies(double from, double to, double reach) const {

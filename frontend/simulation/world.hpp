@@ -20,7 +20,8 @@ struct ChunkId {
 /// The line that the carrier follows, with what traffic needs to know of the street it lies in.
 struct Way {
   std::vector<Vec2> points;        ///< about half a metre apart
-  std::vector<double> oncoming;    ///< lateral offset (left positive) of the opposite lane, m
+  std::vector<double> along;       ///< lateral offset (left positive) of cars of its direction, m
+  std::vector<double> oncoming;    ///< the same of cars that come the other way, m
   std::vector<double> pavement;    ///< distance from the street's centre to where people walk, m
   std::vector<double> centre;      ///< lateral offset of the street's centre line, m
   std::vector<std::size_t> stops;  ///< points where the carrier may have to wait

@@ -1,5 +1,6 @@
 // The worlds of the simulation: streets, ways and what two recordings of one world share.
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -113,6 +114,22 @@ INSTANTIATE_TEST_SUITE_P(All, SimulatedWorld,
                            });
                            return name;
                          });
+
+/// The fewest points of every `step`-th scan; a sensor within a solid sees none.
+std::size_t fewest_points(const std::string& specification, std::size_t step) {
+  const auto recording = open_simulation(specification);
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (std::size_t i = 0; i < recording->size(); i += step) {
+    fewest = std::min(fewest, recording->read(i).points.size());
+  }
+  return fewest;
+}
+
+// All worlds, carriers and several seeds are in slow/simulation_ways_test.cpp.
+TEST(SimulatedWay, LeadsThroughNoSolid) {
+  EXPECT_GT(fewest_points("sim:town?sensor=spin16&carrier=walker&length=160&seed=5", 12), 5000U);
+  EXPECT_GT(fewest_points("sim:bridge?sensor=spin16&carrier=segway&length=160&seed=2", 12), 5000U);
+}
 
 TEST(Simulation, ABlindSectorLiesBehind) {
   const Scan scan = open_simulation("sim:town?sensor=spin16&length=100&fov=290")->read(3);
