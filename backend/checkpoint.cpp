@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x31304b4345484347ULL;  // "GCHECK01"
+constexpr std::uint64_t kMagic = 0x32304b4345484347ULL;  // "GCHECK02"
 constexpr const char* kFile = "checkpoint.bin";
 constexpr const char* kDatabase = "checkpoint_database.bin";
 

@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include <Eigen/Cholesky>
+#include <spdlog/spdlog.h>
 
 #include "frontend/core/binary_io.hpp"
 #include "frontend/core/error.hpp"
@@ -20,6 +21,8 @@ constexpr std::size_t kRegistrationBlock = 256;
 constexpr float kPruneDistance = 5.0F;
 // Update (m, rad) that ends the coarse registration: the fine one goes on from there.
 constexpr double kCoarseConvergence = 1e-2;
+// Share of a scan in the running mean of how many voxels scans fill.
+constexpr double kUsualGain = 0.05;
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
@@ -33,19 +36,25 @@ struct NormalEquations {
 
 double square(double v) { return v * v; }
 
-// Adds a correspondence: q is the moved source point, r = q - its neighbour, n the plane's normal
-// or zero. The residual is weighted by A = n n' + a (I - n n'): along a plane a neighbour says
-// little, since it is not the same point; off planes A = I, which is KISS-ICP. The robust kernel is
-// Geman-McClure of scale sigma (KISS-ICP, eq. 8).
-void add_correspondence(NormalEquations& sum, const Eigen::Vector3d& q, const Eigen::Vector3d& r,
-                        const Eigen::Vector3d& n, double sigma, double a) {
+// Adds a correspondence: q is the moved source point, r = q - its neighbour. Where that lies on a
+// plane of normal n, the residual is the distance to the plane across it, weighted by
+// A = n n' + a (I - n n'): along the plane a neighbour says little, since it is not the same point.
+// Else A = I times `scatter`. The robust kernel is Geman-McClure of scale sigma (KISS-ICP, eq. 8).
+void add_correspondence(NormalEquations& sum, const Eigen::Vector3d& q,
+                        const VoxelMap::Neighbor& neighbor, double sigma, double a,
+                        double scatter) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
-  if (n.x() != 0.0 || n.y() != 0.0 || n.z() != 0.0) {
+  Eigen::Vector3d r = q - neighbor.point.cast<double>();
+  if (neighbor.plane.exists() && a < 1.0) {
+    const Eigen::Vector3d n = neighbor.plane.normal.cast<double>();
+    // The plane of many points is better known than its nearest point.
+    r += n * (n.dot(q - neighbor.plane.point.cast<double>()) - n.dot(r));
     A *= a;
     A.noalias() += (1.0 - a) * n * n.transpose();
+    scatter = 1.0;
   }
   const Eigen::Vector3d Ar = A * r;
-  const double w = square(sigma) / square(sigma + r.dot(Ar));
+  const double w = scatter * square(sigma) / square(sigma + r.dot(Ar));
   // J = [I | -skew(q)] for a perturbation on the left.
   Eigen::Matrix3d AS;  // A * -skew(q), column by column
   AS.col(0) = q.y() * A.col(2) - q.z() * A.col(1);
@@ -58,6 +67,10 @@ void add_correspondence(NormalEquations& sum, const Eigen::Vector3d& q, const Ei
   sum.H.bottomRightCorner<3, 3>() += w * SAS;
   sum.b.head<3>() += w * Ar;
   sum.b.tail<3>() += w * q.cross(Ar);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 double sweep_middle(const Scan& scan) {
@@ -79,10 +92,11 @@ double Odometry::threshold() const {
 }
 
 Odometry::Registration Odometry::register_points(const Points& source, const Pose& guess,
-                                                 double sigma, double convergence) const {
+                                                 const Kernel& kernel) const {
   if (map_.empty()) return {guess, 0};
-  const auto max_distance = static_cast<float>(3.0 * sigma);
-  const double plane_weight = options_.point_to_point ? 1.0 : options_.along_plane_weight;
+  const auto max_distance = static_cast<float>(3.0 * kernel.sigma);
+  const double along = options_.point_to_point ? 1.0 : options_.along_plane_weight;
+  const double scatter = options_.point_to_point ? 1.0 : kernel.scatter_weight;
   Pose pose = guess;
   int iteration = 0;
   while (iteration < options_.max_iterations) {
@@ -95,9 +109,7 @@ Odometry::Registration Odometry::register_points(const Points& source, const Pos
             const Eigen::Vector3f p = T * source[i];
             const VoxelMap::Neighbor neighbor = map_.nearest(p, max_distance);
             if (neighbor.squared_distance > max_distance * max_distance) continue;
-            const Eigen::Vector3d q = p.cast<double>();
-            const Eigen::Vector3d r = q - neighbor.point.cast<double>();
-            add_correspondence(sum, q, r, neighbor.normal.cast<double>(), sigma, plane_weight);
+            add_correspondence(sum, p.cast<double>(), neighbor, kernel.sigma, along, scatter);
           }
           return sum;
         });
@@ -105,7 +117,7 @@ Odometry::Registration Odometry::register_points(const Points& source, const Pos
     const Vector6d dx = full.ldlt().solve(-system.b);
     if (!dx.allFinite()) return {guess, iteration};
     pose = exp_se3(dx) * pose;
-    if (dx.norm() < convergence) break;
+    if (dx.norm() < kernel.convergence) break;
   }
   return {pose, iteration};
 }
@@ -122,6 +134,33 @@ void Odometry::start(const Scan& first, const Scan& second) {
   }
   twist_ = trial.twist_;
   T_world_middle_ = exp_se3(sweep_middle(first) * twist_);
+}
+
+bool Odometry::blocked(std::size_t voxels) {
+  const auto count = static_cast<double>(voxels);
+  if (scans_ > 0 && count < options_.blocked_share * usual_voxels_ &&
+      blocked_ < options_.max_blocked) {
+    ++blocked_;
+    return true;
+  }
+  blocked_ = 0;
+  usual_voxels_ += (scans_ == 0 ? 1.0 : kUsualGain) * (count - usual_voxels_);
+  return false;
+}
+
+// Adapts the threshold and the velocity to the step from T_world_middle_ to `registered`.
+void Odometry::learn_motion(const Pose& guess, double step, const Pose& registered) {
+  const Pose deviation = guess.inverse() * registered;
+  const double model_error =
+      deviation.translation.norm() +
+      2.0 * options_.max_range * std::sin(0.5 * rotation_angle(deviation.rotation));
+  if (model_error > options_.min_motion) {
+    deviation_sum_ += square(model_error);
+    ++deviation_count_;
+  }
+  if (step > 0.0 && step <= options_.max_gap) {
+    twist_ = log_se3(T_world_middle_.inverse() * registered) / step;
+  }
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
@@ -148,25 +187,32 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   // Across a gap, or where stamps do not advance, the velocity says little.
   const double trusted_step = scans_ == 0 ? 0.0 : std::clamp(step, 0.0, options_.max_gap);
   const Pose guess = T_world_middle_ * exp_se3(trusted_step * twist_);
+  RegisteredScan result;
+  if (blocked(source.size())) {
+    if (blocked_ == 1) {
+      spdlog::warn(
+          "{}: the view is blocked ({} voxels filled, {:.0f} are usual); its pose is "
+          "predicted from the velocity",
+          name, source.size(), usual_voxels_);
+    }
+    ++predicted_scans_;
+    T_world_middle_ = guess;
+    middle_stamp_ = middle_stamp;
+    ++scans_;
+    result.T_world_scan = guess * exp_se3(-middle * twist_);
+    result.seconds = seconds_since(start);
+    return result;
+  }
   const double sigma = threshold();
-  const Registration coarse =
-      register_points(source, guess, sigma, std::max(options_.convergence, kCoarseConvergence));
+  const Registration coarse = register_points(
+      source, guess, {sigma, 1.0, std::max(options_.convergence, kCoarseConvergence)});
   const Points fine_source = downsampler_(map_points, voxel);
   const Registration registration =
-      register_points(fine_source, coarse.pose, std::min(sigma, options_.fine_threshold * voxel),
-                      options_.convergence);
+      register_points(fine_source, coarse.pose,
+                      {std::min(sigma, options_.fine_threshold * voxel), options_.scatter_weight,
+                       options_.convergence});
 
-  const Pose deviation = guess.inverse() * registration.pose;
-  const double model_error =
-      deviation.translation.norm() +
-      2.0 * options_.max_range * std::sin(0.5 * rotation_angle(deviation.rotation));
-  if (scans_ > 0 && model_error > options_.min_motion) {
-    deviation_sum_ += square(model_error);
-    ++deviation_count_;
-  }
-  if (scans_ > 0 && step > 0.0 && step <= options_.max_gap) {
-    twist_ = log_se3(T_world_middle_.inverse() * registration.pose) / step;
-  }
+  if (scans_ > 0) learn_motion(guess, step, registration.pose);
   T_world_middle_ = registration.pose;
   middle_stamp_ = middle_stamp;
   ++scans_;
@@ -178,7 +224,6 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     pruned_at_ = position;
   }
 
-  RegisteredScan result;
   // From the middle of the sweep to the instant of the stamp, with the velocity just measured.
   const Pose T_middle_scan = exp_se3(-middle * twist_);
   result.T_world_scan = T_world_middle_ * T_middle_scan;
@@ -189,7 +234,7 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   }
   result.registration_points = source.size() + fine_source.size();
   result.iterations = coarse.iterations + registration.iterations;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = seconds_since(start);
   return result;
 }
 
@@ -201,6 +246,9 @@ void Odometry::save(std::ostream& out) const {
   put(out, deviation_sum_);
   put(out, deviation_count_);
   put(out, scans_);
+  put(out, usual_voxels_);
+  put(out, blocked_);
+  put(out, predicted_scans_);
   put(out, pruned_at_);
   map_.save(out);
 }
@@ -213,6 +261,9 @@ void Odometry::load(std::istream& in) {
   get(in, deviation_sum_);
   get(in, deviation_count_);
   get(in, scans_);
+  get(in, usual_voxels_);
+  get(in, blocked_);
+  get(in, predicted_scans_);
   get(in, pruned_at_);
   map_.load(in);
 }

@@ -1,10 +1,15 @@
 // LiDAR odometry: KISS-ICP (Vizzo et al., RA-L 2023), which the paper uses to build local maps
 // (Sec. 3.1).
 //
-// Scan by scan: predict with constant velocity, deskew, downsample, register point to point against
-// a voxel map with an adaptive threshold and a robust kernel, update the map. Poses are those of
-// the instant that the scan's stamp names; inside, points are brought to the middle of the sweep,
-// where an error of the predicted velocity does least harm.
+// Scan by scan: predict with constant velocity, deskew, downsample, register against a voxel map
+// with an adaptive threshold and a robust kernel, update the map. Poses are those of the instant
+// that the scan's stamp names; inside, points are brought to the middle of the sweep, where an
+// error of the predicted velocity does least harm.
+//
+// Unlike KISS-ICP, which registers points to points, points are registered to the planes of the
+// map, and what has no plane counts little: the nearest neighbours of scan lines are scan lines,
+// and pull the pose along the ground and walls that they cross (16 beams without any noise: 1.4 %
+// of drift, 0.25 % on planes). A first registration, points in full, catches a poor prediction.
 #pragma once
 
 #include <cstddef>
@@ -26,12 +31,15 @@ struct OdometryOptions {
   double initial_threshold = 2.0;
   double min_motion = 0.1;
   int max_iterations = 500;
-  double convergence = 1e-4;
+  double convergence = 5e-4;
   int min_points = 30;
   double max_gap = 1.0;
   bool point_to_point = false;
-  double along_plane_weight = 0.05;
+  double along_plane_weight = 0.01;
+  double scatter_weight = 0.1;
   double fine_threshold = 0.2;
+  double blocked_share = 0.1;
+  int max_blocked = 20;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -56,16 +64,24 @@ struct OdometryOptions {
           "KISS-ICP's own residual; off, planes of the map are used where it has them");
     field("along_plane_weight", self.along_plane_weight, Range{0.0, 1.0}, "",
           "weight of a residual along a plane, against 1 across it");
+    field("scatter_weight", self.scatter_weight, Range{0.001, 1.0}, "",
+          "weight of a point without a plane in the second registration, against 1 across a plane");
     field(
         "fine_threshold", self.fine_threshold, Range{0.01, 10.0}, "voxel_size",
         "kernel scale of the second registration, over denser points: the adaptive scale takes in "
         "the error of the prediction, which a converged scan no longer has");
+    field("blocked_share", self.blocked_share, Range{0.0, 0.9}, "",
+          "a scan that fills fewer voxels than this share of the usual sees what stands before the "
+          "sensor, not the place: its pose is predicted");
+    field("max_blocked", self.max_blocked, Range{0, 100000}, "",
+          "scans in a row whose pose may be predicted; then they are registered all the same");
   }
 };
 
 struct RegisteredScan {
   Pose T_world_scan;  ///< at the scan's stamp
-  Points points;      ///< within range, deskewed to the stamp's instant, scan frame
+  Points points;      ///< within range, deskewed to the stamp's instant, scan frame; none where the
+                      ///< pose was predicted
   std::size_t registration_points = 0;
   int iterations = 0;
   double seconds = 0.0;  ///< busy time of this scan
@@ -84,6 +100,9 @@ class Odometry {
   /// range; `name` stands for the scan in that message.
   RegisteredScan add(const Scan& scan, const std::string& name);
 
+  /// Scans whose view was blocked, and whose pose was predicted.
+  [[nodiscard]] std::size_t predicted_scans() const { return predicted_scans_; }
+
   /// Exact state for a resumable session.
   void save(std::ostream& out) const;
   void load(std::istream& in);
@@ -93,9 +112,17 @@ class Odometry {
     Pose pose;
     int iterations;
   };
-  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess, double sigma,
-                                             double convergence) const;
+  // How far correspondences reach, and what they weigh.
+  struct Kernel {
+    double sigma;           // m
+    double scatter_weight;  // of points without a plane
+    double convergence;
+  };
+  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess,
+                                             const Kernel& kernel) const;
   [[nodiscard]] double threshold() const;
+  [[nodiscard]] bool blocked(std::size_t voxels);
+  void learn_motion(const Pose& guess, double step, const Pose& registered);
 
   OdometryOptions options_;
   VoxelMap map_;
@@ -107,6 +134,9 @@ class Odometry {
   double deviation_sum_ = 0.0;         // of squared departures from the prediction, m^2
   std::size_t deviation_count_ = 0;
   std::size_t scans_ = 0;
+  double usual_voxels_ = 0.0;  // that a scan fills
+  int blocked_ = 0;            // scans in a row until now
+  std::size_t predicted_scans_ = 0;
   Eigen::Vector3f pruned_at_ = Eigen::Vector3f::Zero();
 };
 

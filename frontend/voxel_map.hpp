@@ -1,6 +1,9 @@
 // The map odometry registers against: a hash of voxels, each a small block of points kept at a
-// distance from each other (KISS-ICP, Vizzo et al., RA-L 2023, Sec. III-C), with the plane they lie
-// on where there is one. Blocks live in one array and are reused; nothing is allocated per voxel.
+// distance from each other (KISS-ICP, Vizzo et al., RA-L 2023, Sec. III-C), and the planes they lie
+// on: of a voxel where its points span one, else of a patch of three voxels' edge. The patch is
+// what makes sparse sensors work: the scan lines of 16 beams cross a voxel once, and lines
+// registered to lines drag the pose along and tilt it.
+// Blocks live in one array and are reused; nothing is allocated per voxel.
 #pragma once
 
 #include <array>
@@ -11,6 +14,7 @@
 #include "frontend/core/pose.hpp"
 #include "frontend/core/scan.hpp"
 #include "frontend/core/voxel_table.hpp"
+#include "frontend/plane_fit.hpp"
 
 namespace groundloop {
 
@@ -25,8 +29,7 @@ class VoxelMap {
     Eigen::Vector3f point;
     float squared_distance;  ///< metres squared; above the bound asked for where there is no
                              ///< neighbour
-    Eigen::Vector3f
-        normal;  ///< of the plane that the points of its voxel lie on; zero where they do not
+    Plane plane;             ///< that the neighbour lies on, if any
   };
 
   /// The nearest point within `max_distance` among the voxel of p and its 26 neighbours. Exact: a
@@ -35,7 +38,7 @@ class VoxelMap {
   [[nodiscard]] Neighbor nearest(const Eigen::Vector3f& p, float max_distance) const;
 
   /// Adds points (world frame). A point nearer than voxel_size / sqrt(20) to another of its voxel
-  /// is left out.
+  /// is left out, but counts for the plane of its patch.
   void insert(const Points& points, const Pose& T_world_scan);
 
   /// Drops voxels whose first point is farther than `distance` from `center`.
@@ -53,14 +56,27 @@ class VoxelMap {
   // registers.
   struct Block {
     alignas(16) std::array<float, kMaxPointsPerVoxel> x, y, z;
-    std::array<float, 3> normal;
+    Plane plane;
     VoxelKey key;
     std::uint32_t count;
-    std::uint32_t count_of_normal;  // points that the normal was computed from
+    std::uint32_t count_of_plane;  // points that the plane was fitted to
+    std::uint32_t patch;
+  };
+  struct Patch {
+    PlaneMoments moments;  // about the patch's centre
+    Eigen::Vector3f center;
+    Plane plane;
+    VoxelKey key;
+    std::uint32_t blocks;   // that lie in it
+    std::uint32_t touched;  // listed in touched_patches_
   };
 
-  void add_to_block(Block& block, const Eigen::Vector3f& p) const;
-  void update_normal(Block& block) const;
+  std::uint32_t block_at(const Eigen::Vector3f& p);
+  std::uint32_t patch_at(const Eigen::Vector3f& p);
+  [[nodiscard]] bool add_to_block(Block& block, const Eigen::Vector3f& p) const;
+  void update_plane(Block& block) const;
+  void update_plane(Patch& patch) const;
+  [[nodiscard]] Plane plane_of(const Block& block, const Eigen::Vector3f& point) const;
 
   float voxel_size_;
   float inverse_size_;
@@ -68,7 +84,11 @@ class VoxelMap {
   VoxelTable table_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> free_;
-  std::vector<std::uint32_t> touched_;  // blocks that gained points in this insert()
+  VoxelTable patch_table_;
+  std::vector<Patch> patches_;
+  std::vector<std::uint32_t> free_patches_;
+  // Blocks and patches that gained points in this insert().
+  std::vector<std::uint32_t> touched_, touched_patches_;
 };
 
 }  // namespace groundloop
