@@ -108,6 +108,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
 
   const StageTimes& t = result.times;
   Json document{{"scans", result.odometry.size()},
+                {"predicted_scans", result.predicted_scans},
                 {"local_maps", result.maps.size()},
                 {"path_length_m", path_length(result.solution.trajectory)},
                 {"closures", closures},

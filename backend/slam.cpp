@@ -107,6 +107,7 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   add_closure_times(state.finder, result.times);
 
   result.odometry = std::move(state.trajectory);
+  result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
   const SolverInput input{result.odometry,

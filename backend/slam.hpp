@@ -46,6 +46,7 @@ struct StageTimes {
 
 struct SlamResult {
   Trajectory odometry;
+  std::size_t predicted_scans = 0;  ///< whose view was blocked
   SessionSolution solution;
   std::vector<LocalMapRecord> maps;  ///< T_world_map optimised
   std::vector<ClosureRecord> closures;

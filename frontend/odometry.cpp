@@ -138,13 +138,14 @@ void Odometry::start(const Scan& first, const Scan& second) {
 
 bool Odometry::blocked(std::size_t voxels) {
   const auto count = static_cast<double>(voxels);
-  if (scans_ > 0 && count < options_.blocked_share * usual_voxels_ &&
-      blocked_ < options_.max_blocked) {
+  const bool few = scans_ > 0 && count < options_.blocked_share * usual_voxels_;
+  if (few && blocked_ < options_.max_blocked) {
     ++blocked_;
     return true;
   }
   blocked_ = 0;
-  usual_voxels_ += (scans_ == 0 ? 1.0 : kUsualGain) * (count - usual_voxels_);
+  // A view that stays narrow is the usual one from now on.
+  usual_voxels_ += (few || scans_ == 0 ? 1.0 : kUsualGain) * (count - usual_voxels_);
   return false;
 }
 

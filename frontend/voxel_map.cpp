@@ -93,8 +93,12 @@ void VoxelMap::update_plane(Block& block) const {
                           {kMinBlockPoints, kThickness * voxel_size_, kBlockSpread * voxel_size_});
 }
 
+Eigen::Vector3f VoxelMap::center_of(const Patch& patch) const {
+  return (voxel_from_key(patch.key).cast<float>().array() + 0.5F) * (kPatchEdge * voxel_size_);
+}
+
 void VoxelMap::update_plane(Patch& patch) const {
-  patch.plane = fit_plane(patch.moments, patch.center,
+  patch.plane = fit_plane(patch.moments, center_of(patch),
                           {kMinPatchPoints, kThickness * voxel_size_, kPatchSpread * voxel_size_});
 }
 
@@ -130,8 +134,7 @@ std::uint32_t VoxelMap::block_at(const Eigen::Vector3f& p) {
 }
 
 std::uint32_t VoxelMap::patch_at(const Eigen::Vector3f& p) {
-  const Eigen::Vector3i voxel = voxel_of(p, inverse_size_ / kPatchEdge);
-  const VoxelKey key = voxel_key(voxel);
+  const VoxelKey key = voxel_key(voxel_of(p, inverse_size_ / kPatchEdge));
   const auto fresh =
       free_patches_.empty() ? static_cast<std::uint32_t>(patches_.size()) : free_patches_.back();
   const std::uint32_t index = patch_table_.find_or_insert(key, fresh);
@@ -144,7 +147,6 @@ std::uint32_t VoxelMap::patch_at(const Eigen::Vector3f& p) {
   Patch& patch = patches_[index];
   patch = Patch{};
   patch.key = key;
-  patch.center = (voxel.cast<float>().array() + 0.5F) * (kPatchEdge * voxel_size_);
   return index;
 }
 
@@ -161,7 +163,7 @@ void VoxelMap::insert(const Points& points, const Pose& T_world_scan) {
     }
     if (patch.touched == 0) touched_patches_.push_back(block.patch);
     patch.touched = 1;
-    patch.moments.add(p - patch.center);
+    patch.moments.add(p - center_of(patch));
   }
   for (const std::uint32_t index : touched_) update_plane(blocks_[index]);
   touched_.clear();

@@ -61,18 +61,19 @@ class VoxelMap {
     std::uint32_t count;
     std::uint32_t count_of_plane;  // points that the plane was fitted to
     std::uint32_t patch;
+    std::uint32_t padding;  // named, so that every byte of a saved state is defined
   };
   struct Patch {
-    PlaneMoments moments;  // about the patch's centre
-    Eigen::Vector3f center;
-    Plane plane;
     VoxelKey key;
+    PlaneMoments moments;  // about the patch's centre
+    Plane plane;
     std::uint32_t blocks;   // that lie in it
     std::uint32_t touched;  // listed in touched_patches_
   };
 
   std::uint32_t block_at(const Eigen::Vector3f& p);
   std::uint32_t patch_at(const Eigen::Vector3f& p);
+  [[nodiscard]] Eigen::Vector3f center_of(const Patch& patch) const;
   [[nodiscard]] bool add_to_block(Block& block, const Eigen::Vector3f& p) const;
   void update_plane(Block& block) const;
   void update_plane(Patch& patch) const;

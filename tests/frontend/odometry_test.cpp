@@ -153,6 +153,48 @@ TEST(Odometry, TooFewPointsNameTheScan) {
   }
 }
 
+// A lorry before the sensor: a scan of many points, all on one thing that is near.
+TEST(Odometry, PredictsScansWhoseViewIsBlockedAndGoesOn) {
+  const Drive drive;
+  Scan lorry = sweep(drive, 0.0, 0.1, false);
+  for (Eigen::Vector3f& p : lorry.points) p *= 1.2F / p.norm();
+  OdometryOptions options;
+  options.voxel_size = 0.5;
+  options.blocked_share = 0.3;  // a room fills fewer voxels than a street
+  Odometry odometry(options);
+  odometry.start(sweep(drive, 0.0, 0.1, true), sweep(drive, 0.1, 0.1, true));
+  Pose last;
+  for (int i = 0; i < 30; ++i) {
+    const bool blocked = i >= 20 && i < 24;
+    if (blocked) lorry.stamp = static_cast<Nanoseconds>(i) * 100'000'000;
+    const RegisteredScan result =
+        odometry.add(blocked ? lorry : sweep(drive, 0.1 * i, 0.1, true), "scan");
+    EXPECT_EQ(result.points.empty(), blocked) << i;
+    last = result.T_world_scan;
+  }
+  EXPECT_EQ(odometry.predicted_scans(), 4U);
+  const Eigen::Vector3d expected = (drive.at(0.0).inverse() * drive.at(2.9)).translation;
+  EXPECT_LT((last.translation - expected).norm(), 0.25);
+}
+
+TEST(Odometry, ABlockedViewThatLastsIsRegisteredAfterAll) {
+  const Drive drive;
+  Scan lorry = sweep(drive, 0.0, 0.1, false);
+  for (Eigen::Vector3f& p : lorry.points) p *= 1.2F / p.norm();
+  OdometryOptions options;
+  options.blocked_share = 0.3;
+  options.max_blocked = 3;
+  Odometry odometry(options);
+  odometry.add(sweep(drive, 0.0, 0.1, true), "scan");
+  std::size_t registered = 0;
+  for (int i = 1; i < 8; ++i) {
+    lorry.stamp = static_cast<Nanoseconds>(i) * 100'000'000;
+    registered += odometry.add(lorry, "scan").points.empty() ? 0 : 1;
+  }
+  EXPECT_EQ(odometry.predicted_scans(), 3U);
+  EXPECT_EQ(registered, 4U);
+}
+
 TEST(Odometry, SurvivesStampsThatStandStillAndAGap) {
   Odometry odometry{OdometryOptions{}};
   const Drive drive;

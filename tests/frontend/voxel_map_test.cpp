@@ -76,6 +76,25 @@ TEST(VoxelMap, KeepsPointsApartAndAtMostTwentyAVoxel) {
   EXPECT_EQ(map.nearest({0.5F, 0.5F, 0.6F}, 1.0F).point, Eigen::Vector3f(0.5F, 0.5F, 0.5F));
 }
 
+// Two scan lines on a wall, 1.2 m apart: no voxel of 1 m holds more than one of them.
+TEST(VoxelMap, ScanLinesOfOneWallGiveItsPlaneThoughNoVoxelHoldsTwo) {
+  VoxelMap map(1.0F);
+  Points lines;
+  for (int i = 0; i < 30; ++i) {
+    for (const float z : {0.5F, 1.7F}) lines.emplace_back(0.1F * static_cast<float>(i), 0.4F, z);
+  }
+  map.insert(lines, Pose());
+  const VoxelMap::Neighbor neighbor = map.nearest({1.2F, 0.5F, 0.6F}, 1.0F);
+  ASSERT_TRUE(neighbor.plane.exists());
+  EXPECT_NEAR(std::abs(neighbor.plane.normal.y()), 1.0F, 1e-5F);
+  EXPECT_NEAR(neighbor.plane.distance({1.2F, 0.5F, 0.6F}) * neighbor.plane.normal.y(), 0.1F, 1e-5F);
+  // A pole that stands before the wall is not of its plane.
+  Points pole;
+  for (int i = 0; i < 5; ++i) pole.emplace_back(1.5F, 0.9F, 0.25F * static_cast<float>(i));
+  map.insert(pole, Pose());
+  EXPECT_FALSE(map.nearest({1.5F, 0.95F, 0.5F}, 1.0F).plane.exists());
+}
+
 TEST(VoxelMap, DropsWhatIsOutOfRangeAndReusesItsPlace) {
   VoxelMap map(1.0F);
   map.insert({{0.5F, 0.5F, 0.5F}, {50.0F, 0.0F, 0.0F}}, Pose());
