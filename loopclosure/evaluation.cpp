@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frontend/core/error.hpp"
+#include "frontend/core/parallel.hpp"
 #include "loopclosure/reference_alignment.hpp"
 
 namespace groundloop {
@@ -97,27 +98,39 @@ bool comes_before(const MapKey& reference, const MapKey& query, int skipped) {
 std::vector<ReferenceClosure> references_of(const std::vector<EvaluatedMap>& maps, std::size_t q,
                                             const ClosureEvaluationOptions& options) {
   const EvaluatedMap& query = maps[q];
-  const std::vector<std::uint64_t> own = occupied_voxels(query.points, Pose(), kVoxelSize);
-  std::unique_ptr<ReferenceTarget> target;
-  std::vector<ReferenceClosure> found;
-  for (const EvaluatedMap& reference : maps) {
-    if (!comes_before(reference.key, query.key, options.skipped_maps)) continue;
-    Pose T = query.T_world_map.inverse() * reference.T_world_map;
-    double overlap = shared_fraction(occupied_voxels(reference.points, T, kVoxelSize), own);
-    if (options.align_references && overlap > kWorthAligning) {
-      if (!target) target = std::make_unique<ReferenceTarget>(query.points);
-      const ReferenceAlignment aligned = reference_alignment(*target, reference.points, T);
+  const OccupiedVoxels own(query.points, Pose(), kVoxelSize);
+  const auto true_pose = [&](std::size_t r) {
+    return query.T_world_map.inverse() * maps[r].T_world_map;
+  };
+  std::vector<double> overlaps(maps.size(), 0.0);
+  parallel_for(maps.size(), 1, [&](std::size_t r) {
+    if (!comes_before(maps[r].key, query.key, options.skipped_maps)) return;
+    overlaps[r] = own.overlap(maps[r].points, true_pose(r));
+  });
+  const auto worth_aligning = [&](double overlap) {
+    return options.align_references && overlap > kWorthAligning;
+  };
+  if (std::any_of(overlaps.begin(), overlaps.end(), worth_aligning)) {
+    const ReferenceTarget target(query.points);
+    parallel_for(maps.size(), 1, [&](std::size_t r) {
+      if (!worth_aligning(overlaps[r])) return;
+      const ReferenceAlignment aligned = reference_alignment(target, maps[r].points, true_pose(r));
       if (aligned.converged) {
-        overlap = shared_fraction(
-            occupied_voxels(reference.points, aligned.T_query_reference, kVoxelSize), own);
+        overlaps[r] = own.overlap(maps[r].points, aligned.T_query_reference);
       }
-    }
+    });
+  }
+  std::vector<ReferenceClosure> found;
+  for (std::size_t r = 0; r < maps.size(); ++r) {
+    const EvaluatedMap& reference = maps[r];
     const bool same_session = reference.key.session == query.key.session;
-    if (overlap <= (same_session ? options.overlap : options.overlap_between_sessions)) continue;
+    if (overlaps[r] <= (same_session ? options.overlap : options.overlap_between_sessions)) {
+      continue;
+    }
     ReferenceClosure closure;
     closure.reference = reference.key;
     closure.query = query.key;
-    closure.overlap = overlap;
+    closure.overlap = overlaps[r];
     classify(closure, reference, query);
     found.push_back(closure);
   }

@@ -2,7 +2,9 @@
 // from the verification in backend, which it judges, and sharing no code with it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "frontend/core/pose.hpp"
@@ -10,31 +12,55 @@
 
 namespace groundloop {
 
-/// Voxels of edge `size` (m) that hold points of a map, moved by T first; sorted, each once.
-[[nodiscard]] std::vector<std::uint64_t> occupied_voxels(const Points& points, const Pose& T,
-                                                         double size);
+/// Voxels of edge `size` (m) that hold points of a map, moved by T first.
+class OccupiedVoxels {
+ public:
+  OccupiedVoxels(const Points& points, const Pose& T, double size);
 
-/// Shared voxels over those of the smaller set; 0 where one is empty. Both sorted.
-[[nodiscard]] double shared_fraction(const std::vector<std::uint64_t>& a,
-                                     const std::vector<std::uint64_t>& b);
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// Voxels shared with another map, moved by T first, over those of the map with fewer; 0 where
+  /// one has none, or where none of every 32nd of at least 3200 points of the other lies in one of
+  /// these voxels.
+  [[nodiscard]] double overlap(const Points& other, const Pose& T) const;
+
+ private:
+  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
+  static std::uint64_t key_of(const Eigen::Vector3f& point, const Pose& T, double size);
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const;
+
+  double size_;
+  std::size_t count_ = 0;
+  std::vector<std::uint64_t> keys_;  // open addressing
+};
 
 /// Overlap of two maps in the query's frame.
 [[nodiscard]] double reference_overlap(const Points& reference, const Points& query,
                                        const Pose& T_query_reference, double voxel_size = 0.5);
 
-/// A map prepared as target of reference_alignment.
+/// A map prepared as target of reference_alignment: a k-d tree.
 class ReferenceTarget {
  public:
   explicit ReferenceTarget(const Points& points);
 
-  /// The point nearest to p within `radius` <= 2 m, or null.
-  [[nodiscard]] const Eigen::Vector3f* nearest(const Eigen::Vector3f& p, float radius) const;
+  /// The finite points, in an order of its own.
+  [[nodiscard]] const Points& points() const { return points_; }
+  /// Index of the point nearest to p that is nearer than `radius`, if there is one. `guess`, the
+  /// index of some point, only speeds up the search where it is near.
+  [[nodiscard]] std::optional<std::size_t> nearest(
+      const Eigen::Vector3f& p, float radius,
+      std::optional<std::size_t> guess = std::nullopt) const;
 
  private:
-  static constexpr float kCell = 1.0F;
-  std::vector<Eigen::Vector3f> points_;     // cell by cell
-  std::vector<std::uint64_t> cells_;        // sorted keys
-  std::vector<std::uint32_t> cell_begins_;  // one more than cells
+  static constexpr std::size_t kLeaf = 12;
+  struct Nearest {
+    std::size_t index;
+    float squared;
+  };
+  void split(std::size_t begin, std::size_t end);
+  void search(const Eigen::Vector3f& p, std::size_t begin, std::size_t end, Nearest& best) const;
+
+  Points points_;
+  std::vector<std::uint8_t> axes_;
 };
 
 struct ReferenceAlignment {

@@ -70,12 +70,13 @@ TEST(ReferenceTarget, FindsTheNearestPointOrNone) {
     const Eigen::Vector3f p(uniform(rng), uniform(rng), 0.1F * uniform(rng));
     float best = 1.5F * 1.5F;
     for (const Eigen::Vector3f& q : points) best = std::min(best, (p - q).squaredNorm());
-    const Eigen::Vector3f* found = target.nearest(p, 1.5F);
-    if (best == 1.5F * 1.5F) {
-      EXPECT_EQ(found, nullptr);
-    } else {
-      ASSERT_NE(found, nullptr);
-      EXPECT_FLOAT_EQ((p - *found).squaredNorm(), best);
+    for (const std::optional<std::size_t> guess :
+         {std::optional<std::size_t>(), {points.size() / 2}}) {
+      const std::optional<std::size_t> found = target.nearest(p, 1.5F, guess);
+      ASSERT_EQ(found.has_value(), best < 1.5F * 1.5F);
+      if (found) {
+        EXPECT_FLOAT_EQ((p - target.points()[*found]).squaredNorm(), best);
+      }
     }
   }
 }
