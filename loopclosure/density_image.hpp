@@ -1,5 +1,7 @@
-// The density image (Sec. 3.3): points of a ground-aligned local map counted in the cells of a grid
-// on the ground, scaled to eight bits. Extent and memory are bounded whatever the points.
+// The density image (Sec. 3.3): what stands on the cells of a grid on the ground of an aligned
+// local map, scaled to eight bits. The paper counts points; here a cell counts the layers of height
+// that hold any, so that a place looks the same whatever the LiDAR, the speed and the distance it
+// was seen from. Extent and memory are bounded whatever the points.
 #pragma once
 
 #include <cstddef>

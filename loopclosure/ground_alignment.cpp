@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kMaxExtent = 512.0F;             // m along x and y; the sampling grid stays bounded
 constexpr std::size_t kDirectionSamples = 2000;  // normals that candidate directions are sought in
-constexpr std::size_t kMaxPoints = 100000;       // a plane needs no more
+constexpr std::size_t kMaxPoints = 60000;        // a plane needs no more
 constexpr std::size_t kMaxCandidates = 6;
 constexpr std::size_t kMinGroundCells = 20;
 constexpr double kStopStep = 1e-6;  // m and rad

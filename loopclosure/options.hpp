@@ -33,25 +33,31 @@ struct GroundAlignmentOptions {
 
 struct DensityImageOptions {
   double resolution = 0.5;
+  std::string count = "layers";
+  double layer_height = 0.5;
   double min_density = 0.05;
-  double saturation = 0.999;
+  double saturation = 1.0;
   double max_extent = 256.0;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("resolution", self.resolution, Range{0.05, 10.0}, "m", "edge of a pixel");
+    field("count", self.count, Choices{"layers", "points"}, "",
+          "what a pixel counts: layers of height that hold points, or points, as the paper does");
+    field("layer_height", self.layer_height, Range{0.05, 10.0}, "m",
+          "of a layer; 32 layers are told apart");
     field("min_density", self.min_density, Range{0.0, 0.9}, "",
           "relative density below which a pixel is empty, against moving objects");
     field("saturation", self.saturation, Range{0.5, 1.0}, "",
-          "quantile of the occupied cells that is shown full, so that one tower does not dim the "
-          "rest; 1 is the paper's greatest count");
+          "quantile of the occupied cells that is shown full, where points are counted and one "
+          "tower would dim the rest; 1 is the greatest count");
     field("max_extent", self.max_extent, Range{10.0, 1000.0}, "m",
           "points farther than this from the map's origin along x or y are left out");
   }
 };
 
 struct FeatureOptions {
-  int max_features = 800;
+  int max_features = 500;
   int fast_threshold = 25;
   int edge_px = 31;
   int patch_px = 31;
@@ -61,8 +67,7 @@ struct FeatureOptions {
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("max_features", self.max_features, Range{1, 10000}, "",
-          "strongest corners kept (the published system: 500)");
+    field("max_features", self.max_features, Range{1, 10000}, "", "strongest corners kept");
     field("fast_threshold", self.fast_threshold, Range{1, 254}, "",
           "grey-level difference of a corner (the published system: 35)");
     field("edge_px", self.edge_px, Range{0, 200}, "px", "margin of the image without corners");
