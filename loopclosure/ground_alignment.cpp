@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kMaxExtent = 512.0F;             // m along x and y; the sampling grid stays bounded
 constexpr std::size_t kDirectionSamples = 2000;  // normals that candidate directions are sought in
-constexpr std::size_t kMaxPoints = 60000;        // a plane needs no more
+constexpr std::size_t kMaxPoints = 100000;       // a plane needs no more
 constexpr std::size_t kMaxCandidates = 6;
 constexpr std::size_t kMinGroundCells = 20;
 constexpr double kStopStep = 1e-6;  // m and rad
@@ -106,23 +106,25 @@ class LowestVoxels {
     const PoseF transform(T);
     const std::size_t n = voxels_.size();
     points_.resize(n);
-    Eigen::Vector2f low = Eigen::Vector2f::Constant(kMaxExtent), high = -low;
+    Eigen::Array2f low = Eigen::Array2f::Constant(kMaxExtent), high = -low;
     for (std::size_t i = 0; i < n; ++i) {
       points_[i] = transform * voxels_.means()[i];
-      const Eigen::Vector2f p = points_[i].head<2>().cwiseMax(-kMaxExtent).cwiseMin(kMaxExtent);
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+      low = low.min(points_[i].head<2>().array());
+      high = high.max(points_[i].head<2>().array());
     }
+    low = low.max(-kMaxExtent).min(kMaxExtent);
+    high = high.max(-kMaxExtent).min(kMaxExtent);
     lowest_.clear();
     if (n == 0) return lowest_;
-    const Eigen::Vector2i first = (low * inverse_).array().floor().cast<int>();
-    const Eigen::Vector2i size = (high * inverse_).array().floor().cast<int>() - first.array() + 1;
+    const Eigen::Array2f first_cell = (low * inverse_).floor();
+    const Eigen::Array2i size = (high * inverse_ - first_cell).cast<int>() + 1;
     grid_.assign(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()), kNone);
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Vector3f& p = points_[i];
       if (std::abs(p.x()) > kMaxExtent || std::abs(p.y()) > kMaxExtent) continue;
-      const int u = static_cast<int>(std::floor(p.x() * inverse_)) - first.x();
-      const int v = static_cast<int>(std::floor(p.y() * inverse_)) - first.y();
+      // Not below zero, so that truncation is the floor.
+      const int u = static_cast<int>(p.x() * inverse_ - first_cell.x());
+      const int v = static_cast<int>(p.y() * inverse_ - first_cell.y());
       std::uint32_t& cell = grid_[static_cast<std::size_t>(v) * static_cast<std::size_t>(size.x()) +
                                   static_cast<std::size_t>(u)];
       if (cell == kNone || p.z() < points_[cell].z()) cell = static_cast<std::uint32_t>(i);

@@ -10,7 +10,12 @@ namespace groundloop {
 
 HammingForest::HammingForest(std::size_t trees, std::size_t leaf_size)
     : leaf_size_(std::max<std::size_t>(1, leaf_size)),
-      trees_(std::clamp<std::size_t>(trees, 1, 256)) {}
+      bit_stride_(std::clamp<std::size_t>(trees, 1, 256)),
+      trees_(bit_stride_) {}
+
+void HammingForest::keep_trees(std::size_t trees) {
+  if (trees < trees_.size()) trees_.resize(std::max<std::size_t>(1, trees));
+}
 
 std::uint32_t HammingForest::leaf_node(const Tree& tree, const Descriptor& descriptor) {
   std::uint32_t node = 0;
@@ -38,14 +43,14 @@ void HammingForest::split(std::size_t tree_index, std::uint32_t node) {
   const std::size_t n = ids.size();
   std::array<std::size_t, 256> ones{};
   for (const std::uint32_t id : ids) {
-    for (std::size_t b = tree_index; b < 256; b += trees_.size()) {
+    for (std::size_t b = tree_index; b < 256; b += bit_stride_) {
       ones[b] += descriptor_bit(descriptors_[id], static_cast<int>(b)) ? 1U : 0U;
     }
   }
   // Mean nearest one half: |2 ones - n| least; the first such bit. A bit already used on the path
   // is the same in all of them and splits nothing.
   std::size_t best = 256, best_imbalance = n;
-  for (std::size_t b = tree_index; b < 256; b += trees_.size()) {
+  for (std::size_t b = tree_index; b < 256; b += bit_stride_) {
     const std::size_t twice = 2 * ones[b];
     const std::size_t imbalance = twice > n ? twice - n : n - twice;
     if (imbalance < best_imbalance) best = b, best_imbalance = imbalance;
@@ -70,14 +75,12 @@ void HammingForest::split(std::size_t tree_index, std::uint32_t node) {
   if (one_large) split(tree_index, child + 1);
 }
 
-void HammingForest::search(const Descriptor& query, int max_distance, std::vector<Match>& matches,
-                           std::size_t trees) const {
+void HammingForest::search(const Descriptor& query, int max_distance,
+                           std::vector<Match>& matches) const {
   matches.clear();
-  const std::size_t searched = trees == 0 ? trees_.size() : std::min(trees, trees_.size());
   constexpr std::size_t kChunk = 128;
   std::array<std::uint16_t, kChunk> distances;
-  for (std::size_t t = 0; t < searched; ++t) {
-    const Tree& tree = trees_[t];
+  for (const Tree& tree : trees_) {
     const std::vector<std::uint32_t>& ids =
         tree.leaves[tree.nodes[leaf_node(tree, query)].zero].ids;
     for (std::size_t begin = 0; begin < ids.size(); begin += kChunk) {
@@ -88,7 +91,7 @@ void HammingForest::search(const Descriptor& query, int max_distance, std::vecto
       }
     }
   }
-  if (searched == 1) return;  // ids are in order and appear once
+  if (trees_.size() == 1) return;  // ids are in order and appear once
   std::sort(matches.begin(), matches.end(),
             [](const Match& a, const Match& b) { return a.id < b.id; });
   matches.erase(std::unique(matches.begin(), matches.end(),

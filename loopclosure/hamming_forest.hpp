@@ -26,10 +26,13 @@ class HammingForest {
     std::uint32_t id = 0;
     int distance = 0;  ///< bits
   };
-  /// The descriptors within `max_distance` in the leaves that `query` reaches in the first `trees`
-  /// trees (0: all), each once, in order of their numbers; replaces the contents of `matches`.
-  void search(const Descriptor& query, int max_distance, std::vector<Match>& matches,
-              std::size_t trees = 0) const;
+  /// The descriptors within `max_distance` in the leaves that `query` reaches, each once, in order
+  /// of their numbers; replaces the contents of `matches`.
+  void search(const Descriptor& query, int max_distance, std::vector<Match>& matches) const;
+
+  /// Gives up all trees but the first `trees` (at least one), with their memory.
+  void keep_trees(std::size_t trees);
+  [[nodiscard]] std::size_t trees() const { return trees_.size(); }
 
   [[nodiscard]] std::size_t size() const { return descriptors_.size(); }
   /// Of the first tree.
@@ -55,6 +58,7 @@ class HammingForest {
   void split(std::size_t tree, std::uint32_t node);
 
   std::size_t leaf_size_;
+  std::size_t bit_stride_;  ///< trees at first
   std::vector<Descriptor> descriptors_;
   std::vector<Tree> trees_;
 };

@@ -22,9 +22,9 @@ std::uint64_t seed_of(const MapKey& a, const MapKey& b) {
   return seed;
 }
 
-// Trees searched in a database of this many descriptors. Deeper trees cost more a search; what
-// fewer of them miss, guided matching finds again once some matches have given the alignment.
-std::size_t searched_trees(std::size_t trees, std::size_t descriptors) {
+// Trees kept for a database of this many descriptors. Deeper trees cost more a search; what fewer
+// of them miss, guided matching finds again once some matches have given the alignment.
+std::size_t trees_for(std::size_t trees, std::size_t descriptors) {
   constexpr std::size_t kSmall = 1U << 16, kLarge = 1U << 20;
   const std::size_t part = descriptors <= kSmall ? 1 : descriptors <= kLarge ? 2 : 4;
   return std::max<std::size_t>(1, trees / part);
@@ -55,6 +55,10 @@ void LoopDatabase::insert_features(std::uint32_t index) {
   for (std::size_t i = 0; i < descriptors.size(); ++i) {
     forest_.insert(descriptors[i]);
     origins_.push_back({index, static_cast<std::uint32_t>(i)});
+  }
+  if (options_.matching.method == "forest") {
+    forest_.keep_trees(
+        trees_for(static_cast<std::size_t>(options_.matching.trees), forest_.size()));
   }
 }
 
@@ -98,11 +102,9 @@ std::vector<std::vector<KeypointMatch>> LoopDatabase::match(const MapDescription
   for (std::size_t m = 0; m < descriptions_.size(); ++m) {
     candidate[m] = is_candidate(descriptions_[m].key, query.key);
   }
-  const std::size_t trees =
-      searched_trees(static_cast<std::size_t>(options_.matching.trees), forest_.size());
   std::vector<HammingForest::Match> found;
   for (std::uint32_t q = 0; q < query.descriptors.size(); ++q) {
-    forest_.search(query.descriptors[q], bound, found, trees);
+    forest_.search(query.descriptors[q], bound, found);
     for (const HammingForest::Match& f : found) {
       const Origin& origin = origins_[f.id];
       if (candidate[origin.description]) {

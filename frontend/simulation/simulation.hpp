@@ -23,6 +23,7 @@ struct SimulationParameters {
   std::uint64_t route = 1;        ///< of the way through the world and the noise of single rays
   int change = 0;                 ///< 0, 1, ...: the same place on another day
   double noise = 1.0;             ///< factor on all sensor errors
+  double traffic = 1.0;           ///< factor on how many cars and people move; 0 is none
   double fov = 360.0;             ///< of a spinning sensor, degrees: 360, or 290 (blind behind)
   /// any, west or east: a way in the west and one in the east (of the same seed, in town or park)
   /// have one street in common, with which both begin, and no other.

@@ -17,7 +17,8 @@ const Names worlds{"town", "bridge", "park"};
 const Names sensors{"spin16", "spin32", "spin64", "spin128", "raster", "rosette"};
 const Names carriers{"car", "walker", "segway"};
 const Names sides{"any", "west", "east"};
-const Names keys{"sensor", "carrier", "length", "seed", "route", "change", "noise", "fov", "side"};
+const Names keys{"sensor", "carrier", "length",  "seed", "route",
+                 "change", "noise",   "traffic", "fov",  "side"};
 
 std::string list(const Names& names) {
   std::string text;
@@ -99,6 +100,8 @@ void set(SimulationParameters& parameters, const std::string& specification, con
     parameters.change = static_cast<int>(integer(specification, key, value, 1000000));
   } else if (key == "noise") {
     parameters.noise = number(specification, key, value, 0.0, 100.0);
+  } else if (key == "traffic") {
+    parameters.traffic = number(specification, key, value, 0.0, 10.0);
   } else if (key == "fov") {
     parameters.fov = number(specification, key, value, 290.0, 360.0);
     if (parameters.fov != 290.0 && parameters.fov != 360.0) {

@@ -63,12 +63,14 @@ Traffic::Traffic(const World& world, const Motion& motion, const Way& way,
   }
   Random random(key_of(parameters.seed, 71, parameters.route, parameters.change));
   const bool drives = parameters.carrier == "car";
-  if (drives && way.cars) add_followers(motion.duration(), random);
-  if (way.cars) add_cars(motion.duration(), !drives, random);
-  add_people(random);
+  if (parameters.traffic == 0.0) return;
+  const double gap = 1.0 / parameters.traffic;
+  if (drives && way.cars) add_followers(motion.duration(), gap, random);
+  if (way.cars) add_cars(motion.duration(), !drives, gap, random);
+  add_people(gap, random);
 }
 
-void Traffic::add_followers(double end, Random& random) {
+void Traffic::add_followers(double end, double gap, Random& random) {
   const auto car = [&] { return static_cast<std::size_t>(random.below(car_shapes)); };
   for (double t = random.uniform(-20, 20); t < end;) {
     const double stays = random.uniform(65, 130);
@@ -76,12 +78,12 @@ void Traffic::add_followers(double end, Random& random) {
     if (random.chance(0.4)) {
       add({car(), Lane::carrier, 0, 0, 0, 0, t, t + stays, -random.uniform(1.5, 2.5)});
     }
-    t += stays + random.uniform(0, 60);
+    t += stays + gap * random.uniform(0, 60);
   }
 }
 
-void Traffic::add_cars(double end, bool overtake, Random& random) {
-  for (double t = random.uniform(0, 8); t < end; t += random.uniform(4, 16)) {
+void Traffic::add_cars(double end, bool overtake, double gap, Random& random) {
+  for (double t = random.uniform(0, 8); t < end; t += gap * random.uniform(4, 16)) {
     const auto shape = static_cast<std::size_t>(random.below(car_shapes));
     const double speed = random.uniform(5, 10), reach = beyond_range / speed;
     const bool along = overtake && random.chance(0.5);
@@ -90,8 +92,8 @@ void Traffic::add_cars(double end, bool overtake, Random& random) {
   }
 }
 
-void Traffic::add_people(Random& random) {
-  for (double s = 5.0; s < motion_.line().length(); s += random.uniform(6, 40)) {
+void Traffic::add_people(double gap, Random& random) {
+  for (double s = 5.0; s < motion_.line().length(); s += gap * random.uniform(6, 40)) {
     const auto shape = static_cast<std::size_t>(car_shapes + random.below(person_shapes));
     const double speed = random.uniform(0.7, 1.7) * (random.chance(0.5) ? 1.0 : -1.0);
     const Lane lane = random.chance(0.5) ? Lane::left_pavement : Lane::right_pavement;

@@ -31,9 +31,10 @@ class Traffic {
     /// Not zero: it drives as the carrier does, so many seconds ahead (behind, where negative).
     double lead = 0.0;
   };
-  void add_followers(double end, Random& random);
-  void add_cars(double end, bool overtake, Random& random);
-  void add_people(Random& random);
+  /// `gap` stretches the time (or way) from one to the next.
+  void add_followers(double end, double gap, Random& random);
+  void add_cars(double end, bool overtake, double gap, Random& random);
+  void add_people(double gap, Random& random);
   /// Adds an agent unless it would run into the carrier.
   void add(const Agent& agent);
   [[nodiscard]] Pose pose(const Agent& agent, double seconds) const;

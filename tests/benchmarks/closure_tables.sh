@@ -4,11 +4,17 @@
 #
 #   tests/benchmarks/closure_tables.sh build/release/groundloop WORK_FOLDER [KITTI_FOLDER] > closure_tables.md
 #
-# LENGTH (m, 2500), SEEDS ("21 22 23 24 25", none of them used while tuning), TABLES ("sensors bridge tilt drive").
-# Sessions stay in WORK_FOLDER and are not run again.
+# Settings, all with defaults:
+#   LENGTH   of simulated ways, m (2500)
+#   SEEDS    of simulated worlds ("21 22 23 24 25", none of them used while tuning)
+#   TABLES   "sensors bridge tilt traffic drive"
+#   SENSORS  of the table of sensors ("spin32 spin64 spin128 raster rosette")
+#   SENSOR   of the other tables (spin32)
+# Sessions stay in WORK_FOLDER, and neither they nor their evaluations are run again.
 set -eu
 binary=$(realpath "$1") work=$2 drive=${3:-}
-length=${LENGTH:-2500} seeds=${SEEDS:-21 22 23 24 25} tables=${TABLES:-sensors bridge tilt drive}
+length=${LENGTH:-2500} seeds=${SEEDS:-21 22 23 24 25} tables=${TABLES:-sensors bridge tilt traffic drive}
+sensors=${SENSORS:-spin32 spin64 spin128 raster rosette} sensor=${SENSOR:-spin32}
 mkdir -p "$work"
 
 # session NAME RECORDING [--set KEY=VALUE]...: runs it once, and its evaluation.
@@ -57,6 +63,19 @@ row() {
   printf '\n'
 }
 
+# mean_row NAME SESSION...: the mean of each figure over the sessions that have it.
+mean_row() {
+  local name=$1
+  shift
+  for session in "$@"; do row "$session"; done | awk -F'|' -v name="$name" '
+    { for (i = 3; i < NF; ++i) if ($i ~ /[0-9]/) { sum[i] += $i; ++count[i] }; columns = NF }
+    END {
+      printf "| %s |", name
+      for (i = 3; i < columns; ++i) printf(count[i] ? " %.3f |" : " - |", count[i] ? sum[i] / count[i] : 0)
+      printf "\n"
+    }'
+}
+
 header() {
   printf '\n## %s\n\n' "$1"
   echo '| recording | references | AP | R@1 | F1 | detector true | false | graph true | false | misaligned | odometry APE m | APE m |'
@@ -102,23 +121,27 @@ printf 'Machine: %s cores. Length of simulated ways: %s m.\n' "$(nproc)" "$lengt
 case $tables in *sensors*)
   header 'Various LiDARs, town, one configuration'
   names=
-  for seed in $seeds; do
-    for sensor in spin32 spin64 spin128 raster rosette; do
-      name=town_${sensor}_$seed
-      session "$name" "sim:town?sensor=$sensor&length=$length&seed=$seed"
+  for kind in $sensors; do
+    of_kind=
+    for seed in $seeds; do
+      name=town_${kind}_$seed
+      session "$name" "sim:town?sensor=$kind&length=$length&seed=$seed"
       row "$name"
-      names="$names $name"
+      of_kind="$of_kind $name"
     done
+    mean_row "**mean of $kind**" $of_kind
+    names="$names $of_kind"
   done
   alignment $names
 esac
 
 case $tables in *bridge*)
-  header 'Perceptual aliasing: the bridge, there and back, with and without pruning, closures as detected'
+  header 'Perceptual aliasing: the bridge, there and back'
   for seed in $seeds; do
-    session "bridge_pruned_$seed" "sim:bridge?length=$length&seed=$seed" $plain
-    session "bridge_unpruned_$seed" "sim:bridge?length=$length&seed=$seed" $plain --set features.pruning=false
-    session "bridge_$seed" "sim:bridge?length=$length&seed=$seed"
+    bridge="sim:bridge?sensor=$sensor&length=$length&seed=$seed"
+    session "bridge_pruned_$seed" "$bridge" $plain
+    session "bridge_unpruned_$seed" "$bridge" $plain --set features.pruning=false
+    session "bridge_$seed" "$bridge"
     row "bridge_pruned_$seed"
     row "bridge_unpruned_$seed"
     row "bridge_$seed"
@@ -132,7 +155,7 @@ case $tables in *tilt*)
     for carrier in walker segway; do
       for enabled in true false; do
         name=${carrier}_alignment_${enabled}_$seed
-        session "$name" "sim:town?carrier=$carrier&sensor=spin32&length=$length&seed=$seed" \
+        session "$name" "sim:town?carrier=$carrier&sensor=$sensor&length=$length&seed=$seed" \
           --set ground_alignment.enabled=$enabled
         row "$name"
         names="$names $name"
@@ -142,15 +165,27 @@ case $tables in *tilt*)
   alignment $names
 esac
 
+case $tables in *traffic*)
+  header 'Dynamics: the same drive with no, little and heavy traffic'
+  for seed in $seeds; do
+    for traffic in 0 0.5 5; do
+      name=traffic_${traffic}_$seed
+      session "$name" "sim:town?sensor=$sensor&length=$length&seed=$seed&traffic=$traffic"
+      row "$name"
+    done
+  done
+esac
+
 case $tables in *drive*)
   if [ -n "$drive" ]; then
     header 'Real drive (KITTI 00 key frames)'
     session drive "$drive"
-    session drive_paper "$drive" --set features.max_features=500 --set features.fast_threshold=35 \
-      --set features.border_px=0 --set density_image.saturation=1 --set matching.method=tree \
+    session drive_points "$drive" --set density_image.count=points --set density_image.saturation=0.999
+    session drive_unpruned "$drive" --set features.pruning=false
+    session drive_paper "$drive" --set density_image.count=points --set features.fast_threshold=35 \
+      --set features.border_px=0 --set matching.method=tree \
       --set consensus.method=ransac --set consensus.orientation_gate_deg=180 --set consensus.guided_bits=0
-    row drive
-    row drive_paper
-    alignment drive drive_paper
+    for name in drive drive_points drive_unpruned drive_paper; do row $name; done
+    alignment drive drive_points drive_unpruned drive_paper
   fi
 esac

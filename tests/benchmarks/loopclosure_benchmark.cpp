@@ -1,11 +1,13 @@
 // The stages of loop closing, one benchmark each, on a made-up town block of 200 000 points, and
-// the database at 10 to 10 000 local maps.
+// the database at 10 to 10 000 local maps: built, saved, loaded, searched.
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <random>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include "loopclosure/consensus.hpp"
 #include "loopclosure/density_image.hpp"
@@ -135,20 +137,40 @@ void query_one_map(benchmark::State& state) {
 }
 BENCHMARK(query_one_map)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
 
-void insert_one_map(benchmark::State& state) {
-  std::mt19937_64 rng(4);
-  std::vector<Descriptor> words(20000);
-  for (Descriptor& d : words) d = {rng(), rng(), rng(), rng()};
-  LoopDatabase maps{LoopClosureOptions{}};
-  int map = 0;
+// All maps of a database entered one after the other, from descriptions at hand.
+void build_database(benchmark::State& state) {
+  const Database& d = database(static_cast<int>(state.range(0)));
+  double bytes = 0.0;
   for (auto _ : state) {
-    state.PauseTiming();
-    MapDescription d = made_up_map(map++, rng, words);
-    state.ResumeTiming();
-    maps.insert(std::move(d));
+    const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+    LoopDatabase maps{LoopClosureOptions{}};
+    for (const MapDescription& map : d.maps.descriptions()) maps.insert(map);
+    bytes = static_cast<double>(mallinfo2().uordblks + mallinfo2().hblkhd - before);
   }
+  state.counters["bytes_a_map"] = bytes / static_cast<double>(state.range(0));
 }
-BENCHMARK(insert_one_map)->Iterations(500)->Unit(benchmark::kMicrosecond);
+BENCHMARK(build_database)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+std::filesystem::path database_file() {
+  return std::filesystem::temp_directory_path() / "groundloop_loop_database_benchmark.bin";
+}
+
+void save_database(benchmark::State& state) {
+  const Database& d = database(static_cast<int>(state.range(0)));
+  for (auto _ : state) d.maps.save(database_file());
+  state.counters["bytes_a_map"] = static_cast<double>(std::filesystem::file_size(database_file())) /
+                                  static_cast<double>(state.range(0));
+}
+BENCHMARK(save_database)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+void load_database(benchmark::State& state) {
+  database(static_cast<int>(state.range(0))).maps.save(database_file());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(LoopDatabase::load(database_file(), LoopClosureOptions{}));
+  }
+  std::filesystem::remove(database_file());
+}
+BENCHMARK(load_database)->Arg(10)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
 
 void consensus(benchmark::State& state) {
   std::mt19937_64 rng(5);

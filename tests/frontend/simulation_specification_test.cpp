@@ -31,7 +31,7 @@ TEST(SimulationSpecification, TakesDefaultsForWhatIsNotSaid) {
 TEST(SimulationSpecification, ReadsEveryKey) {
   const SimulationParameters p = parse_simulation(
       "sim:bridge?sensor=spin128&carrier=segway&length=2500.5&seed=7&route=9&change=2&noise=0.5&"
-      "fov=290");
+      "fov=290&traffic=2.5");
   EXPECT_EQ(p.world, "bridge");
   EXPECT_EQ(p.sensor, "spin128");
   EXPECT_EQ(p.carrier, "segway");
@@ -41,6 +41,7 @@ TEST(SimulationSpecification, ReadsEveryKey) {
   EXPECT_EQ(p.change, 2);
   EXPECT_EQ(p.noise, 0.5);
   EXPECT_EQ(p.fov, 290.0);
+  EXPECT_EQ(p.traffic, 2.5);
 }
 
 TEST(SimulationSpecification, SuggestsTheNearestKeyAndValue) {
@@ -54,7 +55,7 @@ TEST(SimulationSpecification, RefusesWhatIsNotExactlyTheGrammar) {
        {"town", "sim:", "sim:town?", "sim:town?seed", "sim:town?seed=", "sim:town?seed=1&",
         "sim:town?seed=-1", "sim:town?seed=1.5", "sim:town?length=nan", "sim:town?length=0",
         "sim:town?noise=-1", "sim:town?seed=1&seed=1", "sim:town?fov=300",
-        "sim:town?sensor=raster&fov=290", "sim:town?change=x"}) {
+        "sim:town?sensor=raster&fov=290", "sim:town?change=x", "sim:town?traffic=11"}) {
     EXPECT_NE(refusal(text), "accepted") << text;
   }
 }

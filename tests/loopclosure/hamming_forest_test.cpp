@@ -134,6 +134,29 @@ double recall(std::size_t trees, int flipped) {
   return found / 2000.0;
 }
 
+TEST(HammingForest, WithTreesGivenUpIsAForestOfTheOthers) {
+  const std::vector<Descriptor> stored = random_descriptors(3000, 11);
+  HammingForest forest(16, 50);
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    if (i == 1000) forest.keep_trees(4);
+    forest.insert(stored[i]);
+  }
+  EXPECT_EQ(forest.trees(), 4U);
+  forest.keep_trees(8);
+  EXPECT_EQ(forest.trees(), 4U);
+  HammingForest late = forest_of(stored, 16, 50);
+  late.keep_trees(4);
+  std::mt19937_64 rng(12);
+  std::vector<HammingForest::Match> matches, expected;
+  for (std::size_t i = 0; i < 100; ++i) {
+    const Descriptor query = flip_bits(stored[i], 20, rng);
+    forest.search(query, 60, matches);
+    late.search(query, 60, expected);
+    ASSERT_EQ(matches.size(), expected.size());
+    for (std::size_t m = 0; m < matches.size(); ++m) EXPECT_EQ(matches[m].id, expected[m].id);
+  }
+}
+
 TEST(HammingForest, RecallFollowsFromTheBitsOfTheWay) {
   // A tree over 20 000 descriptors decides on about 8 bits, each right with probability
   // 1 - 25 / 256; a forest of eight misses where every tree does.
