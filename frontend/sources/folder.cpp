@@ -16,21 +16,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kBinFields = "float32 x y z intensity ...";
 constexpr std::array<const char*, 3> kExtensions = {".bin", ".pcd", ".ply"};
 
-// Record of headerless files, by what divides all their lengths.
+// Record of headerless files: 16, 20 or 24 bytes, whichever divides the lengths of most of them. A
+// file that is cut off must not make all the others look strange.
 std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
-  std::array<bool, 3> divides = {true, true, true};  // 16, 20, 24 bytes
+  std::array<std::size_t, 3> fitting = {0, 0, 0};
   for (const fs::path& file : files) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
-    for (std::size_t k = 0; k < divides.size(); ++k) {
-      divides[k] = divides[k] && size % (16 + 4 * k) == 0;
-    }
+    for (std::size_t k = 0; k < fitting.size(); ++k) fitting[k] += size % (16 + 4 * k) == 0 ? 1 : 0;
   }
-  if (!divides[0] && divides[2]) return {"x", "y", "z", "intensity", "ring", "t"};
-  if (!divides[0] && divides[1]) return {"x", "y", "z", "intensity", "ring"};
-  return {"x", "y", "z", "intensity"};
+  if (fitting[0] >= std::max(fitting[1], fitting[2])) return {"x", "y", "z", "intensity"};
+  if (fitting[2] >= fitting[1]) return {"x", "y", "z", "intensity", "ring", "t"};
+  return {"x", "y", "z", "intensity", "ring"};
 }
 
 class FolderRecording final : public ScanFiles {
@@ -97,6 +97,7 @@ class FolderRecording final : public ScanFiles {
     for (const std::string& field : bin_fields(files_))
       bin_layout_.append(field, FieldType::float32);
     bin_layout_.set_records(0);
+    check_lengths(bin_layout_.packed_size, kBinFields);
     if (bin_layout_.packed_size != 16) {
       info_.notes.push_back("Lengths of all files fit records of " +
                             std::to_string(bin_layout_.packed_size / 4) + " float32 values.");
@@ -108,8 +109,7 @@ class FolderRecording final : public ScanFiles {
     const std::string name = files_[index].string();
     if (extension_ == ".pcd") return parse_pcd(buffer_, name);
     if (extension_ == ".ply") return parse_ply(buffer_, name);
-    return {bin_layout_,
-            record_count(index, bin_layout_.packed_size, "float32 x y z intensity ...")};
+    return {bin_layout_, record_count(index, bin_layout_.packed_size, kBinFields)};
   }
 
   // Fields and the meaning of their times from the first, middle and last scans.

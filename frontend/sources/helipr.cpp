@@ -76,6 +76,9 @@ class HeliprRecording final : public ScanFiles {
       : ScanFiles(found.root, "helipr", found.root / "LiDAR" / found.sensor, ".bin"),
         sensor_(found.sensor) {
     take_stamps_from_names(1, "ns");
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      check_length(i, layout_of(sensor_, stamps_[i]).packed_size, record_name().c_str());
+    }
     const PointLayout layout = layout_of(sensor_, stamps_.front());
     info_.sensor = sensor_;
     info_.fields = layout.described();
@@ -94,10 +97,11 @@ class HeliprRecording final : public ScanFiles {
   }
 
  private:
+  [[nodiscard]] std::string record_name() const { return "HeLiPR's " + sensor_ + " record"; }
+
   std::size_t decode(std::size_t index, Scan& scan) override {
     const PointLayout layout = layout_of(sensor_, stamps_[index]);
-    const std::size_t count =
-        record_count(index, layout.packed_size, ("HeLiPR's " + sensor_ + " record").c_str());
+    const std::size_t count = record_count(index, layout.packed_size, record_name().c_str());
     scan = decode_points(layout, buffer_, count, stamps_[index], times_, files_[index].string());
     return count;
   }

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kRecord = 4 * sizeof(float);
+constexpr const char* kFields = "float32 x y z intensity";
 
 bool is_sequence(const fs::path& folder) {
   std::error_code error;
@@ -49,6 +50,7 @@ class KittiRecording final : public ScanFiles {
   explicit KittiRecording(const fs::path& sequence)
       : ScanFiles(sequence, "kitti", sequence / "velodyne", ".bin") {
     std::error_code error;
+    check_lengths(kRecord, kFields);
     info_.fields = {"x", "y", "z", "intensity"};
     std::vector<std::size_t> rows;
     std::size_t row_count = files_.size();
@@ -69,6 +71,7 @@ class KittiRecording final : public ScanFiles {
     duration_ = scan_duration(stamps_);
     if (fs::is_directory(sequence / "times_per_point", error)) {
       times_folder_ = sequence / "times_per_point";
+      check_time_files();
       info_.point_times = "times_per_point, share of " +
                           to_text(1e-9 * static_cast<double>(duration_)) + " s from the stamp";
     } else {
@@ -79,6 +82,22 @@ class KittiRecording final : public ScanFiles {
   }
 
  private:
+  void check_time_files() const {
+    for (const fs::path& scan : files_) {
+      const fs::path file = times_folder_ / scan.filename();
+      std::error_code error;
+      const std::uintmax_t bytes = fs::file_size(file, error);
+      if (error) throw InputError(file.string() + ": cannot be read: " + error.message());
+      check_time_bytes(file, bytes, fs::file_size(scan) / kRecord);
+    }
+  }
+
+  static void check_time_bytes(const fs::path& file, std::uintmax_t bytes, std::size_t points) {
+    if (bytes == points * sizeof(float)) return;
+    throw InputError(file.string() + ": " + std::to_string(bytes) + " bytes for a scan of " +
+                     std::to_string(points) + " points; it needs one float32 a point");
+  }
+
   void load_ground_truth(const fs::path& sequence, const std::vector<std::size_t>& rows,
                          std::size_t row_count) {
     const fs::path absolute = fs::absolute(sequence).lexically_normal();
@@ -110,11 +129,7 @@ class KittiRecording final : public ScanFiles {
   void read_times(std::size_t index, std::size_t count) {
     const fs::path file = times_folder_ / files_[index].filename();
     read_file_into(file, time_buffer_);
-    if (time_buffer_.size() != count * sizeof(float)) {
-      throw InputError(file.string() + ": " + std::to_string(time_buffer_.size()) +
-                       " bytes for a scan of " + std::to_string(count) +
-                       " points; it needs one float32 a point");
-    }
+    check_time_bytes(file, time_buffer_.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
       float share = 0.0F;
       std::memcpy(&share, time_buffer_.data() + i * sizeof(float), sizeof(float));
@@ -128,7 +143,7 @@ class KittiRecording final : public ScanFiles {
   }
 
   std::size_t decode(std::size_t index, Scan& scan) override {
-    const std::size_t count = record_count(index, kRecord, "float32 x y z intensity");
+    const std::size_t count = record_count(index, kRecord, kFields);
     if (!times_folder_.empty()) read_times(index, count);
     const bool timed = !times_folder_.empty();
     const auto seconds = static_cast<float>(1e-9 * static_cast<double>(duration_));

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kRecord = 4 * sizeof(float);
+constexpr const char* kFields = "float32 x y z intensity";
 
 fs::path scan_folder(const fs::path& path) {
   std::error_code error;
@@ -29,6 +30,7 @@ class MulranRecording final : public ScanFiles {
   explicit MulranRecording(const fs::path& path)
       : ScanFiles(path, "mulran", scan_folder(path), ".bin") {
     take_stamps_from_names(1, "ns");
+    check_lengths(kRecord, kFields);
     info_.sensor = "Ouster OS1-64";
     info_.fields = {"x", "y", "z", "intensity"};
     info_.point_times = "column of the record, 1024 in 0.1 s, in scans of 64 x 1024 records";
@@ -58,7 +60,7 @@ class MulranRecording final : public ScanFiles {
   }
 
   std::size_t decode(std::size_t index, Scan& scan) override {
-    const std::size_t count = record_count(index, kRecord, "float32 x y z intensity");
+    const std::size_t count = record_count(index, kRecord, kFields);
     const bool whole = count == kMulranRows * kMulranColumns;
     scan.points.resize(count);
     if (whole) scan.times.resize(count);

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kFields = "uint16 x y z, uint8 intensity, laser";
 constexpr std::size_t kHit = 8;             // u16 x y z, u8 intensity, u8 laser
 constexpr std::size_t kPacketHeader = 24;   // u16 magic x4, u32 hits, u64 utime, u32 padding
 constexpr double kAzimuthError = 0.003;     // rad
@@ -78,6 +79,7 @@ class SyncRecording final : public ScanFiles {
   explicit SyncRecording(const fs::path& path)
       : ScanFiles(path, "nclt", path / "velodyne_sync", ".bin") {
     take_stamps_from_names(1000, "us");
+    check_lengths(kHit, kFields);
     info_.sensor = "Velodyne HDL-32E";
     info_.fields = {"x uint16", "y uint16", "z uint16", "intensity uint8", "laser uint8"};
     info_.point_times = "none";
@@ -87,7 +89,7 @@ class SyncRecording final : public ScanFiles {
 
  private:
   std::size_t decode(std::size_t index, Scan& scan) override {
-    const std::size_t count = record_count(index, kHit, "uint16 x y z, uint8 intensity, laser");
+    const std::size_t count = record_count(index, kHit, kFields);
     scan.points.resize(count);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {

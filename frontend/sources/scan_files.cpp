@@ -8,6 +8,20 @@
 namespace groundloop::sources {
 namespace fs = std::filesystem;
 
+namespace {
+
+std::size_t records_of(const fs::path& file, std::uintmax_t bytes, std::size_t record,
+                       const char* fields) {
+  if (bytes % record != 0) {
+    throw InputError(file.string() + ": " + std::to_string(bytes) + " bytes are no multiple of " +
+                     std::to_string(record) + " (" + fields +
+                     "); the file is cut off or of another format");
+  }
+  return bytes / record;
+}
+
+}  // namespace
+
 ScanFiles::ScanFiles(const fs::path& path, const char* format, const fs::path& folder,
                      const char* extension)
     : ScanFiles(path, format) {
@@ -55,14 +69,21 @@ void ScanFiles::take_stamps_from_names(Nanoseconds nanoseconds, const char* unit
   info_.gaps = count_gaps(stamps_);
 }
 
+void ScanFiles::check_length(std::size_t index, std::size_t record, const char* fields) const {
+  const fs::path& file = files_.at(index);
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(file, error);
+  if (error) throw InputError(file.string() + ": cannot be read: " + error.message());
+  if (records_of(file, bytes, record, fields) == 0) require_points({}, 0, file.string());
+}
+
+void ScanFiles::check_lengths(std::size_t record, const char* fields) const {
+  for (std::size_t i = 0; i < files_.size(); ++i) check_length(i, record, fields);
+}
+
 std::size_t ScanFiles::record_count(std::size_t index, std::size_t record,
                                     const char* fields) const {
-  if (buffer_.size() % record != 0) {
-    throw InputError(files_.at(index).string() + ": " + std::to_string(buffer_.size()) +
-                     " bytes are no multiple of " + std::to_string(record) + " (" + fields +
-                     "); the file is cut off or of another format");
-  }
-  return buffer_.size() / record;
+  return records_of(files_.at(index), buffer_.size(), record, fields);
 }
 
 }  // namespace groundloop::sources

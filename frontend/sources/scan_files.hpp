@@ -33,6 +33,11 @@ class ScanFiles : public Recording {
   /// Stamps from the files' names in `nanoseconds` units; throws InputError naming a file whose
   /// name is none.
   void take_stamps_from_names(Nanoseconds nanoseconds, const char* unit);
+  /// Throws InputError for the first file that is empty or whose length is no multiple of `record`,
+  /// so that a run of hours does not end at a file that could have been seen at its start.
+  void check_lengths(std::size_t record, const char* fields) const;
+  /// The same of files_[index].
+  void check_length(std::size_t index, std::size_t record, const char* fields) const;
   /// Records in buffer_; throws InputError naming the file and `fields` where its length does not
   /// fit.
   [[nodiscard]] std::size_t record_count(std::size_t index, std::size_t record,

@@ -131,6 +131,7 @@ TEST_F(Mulran, ScansThatAreNotWholeHaveNoTimes) {
 TEST_F(Mulran, NamesWhatIsWrong) {
   write_file(folder_ / "Ouster/1561000444390857630.bin", Bytes().floats(1, 2, 3));
   EXPECT_THAT(error_of_reading(), HasSubstr("12 bytes are no multiple of 16"));
+  write_file(folder_ / "Ouster/1561000444390857630.bin", Bytes().floats(1, 2, 3, 4));
   write_file(folder_ / "global_pose.csv", "1561000444390857630,1,0,0,1,0,1,0,2,0,0,2,20\n");
   EXPECT_THAT(error_of_reading(), HasSubstr("global_pose.csv:1: the left 3x3 block"));
   write_file(folder_ / "global_pose.csv", "1,2,3\n");

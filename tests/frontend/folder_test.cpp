@@ -326,6 +326,13 @@ TEST_F(Folder, NamesWhatIsWrongWithPly) {
   expect("ply\nformat ascii 1.0\nelement vertex -1\n" + xyz, "no whole number");
 }
 
+TEST_F(Folder, NamesTheOneBinThatIsCutOffAmongRecordsOfFiveValues) {
+  write_file(folder_ / "0.bin", Bytes().floats(1, 2, 3, 4, 5));
+  write_file(folder_ / "1.bin", Bytes().floats(1, 2, 3, 4, 5, 1, 2, 3, 4, 5));
+  write_file(folder_ / "2.bin", Bytes().floats(1, 2, 3, 4, 5, 6, 7));
+  EXPECT_THAT(error_of_reading(), HasSubstr("2.bin: 28 bytes are no multiple of 20"));
+}
+
 TEST_F(Folder, NamesBinOfWrongLength) {
   write_file(folder_ / "0.bin", Bytes().floats(1, 2, 3, 4));
   write_file(folder_ / "1.bin", Bytes().floats(1, 2, 3, 4).text("abc"));

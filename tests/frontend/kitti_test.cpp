@@ -136,6 +136,11 @@ TEST_F(Kitti, NamesCutOffScan) {
   EXPECT_THAT(error_of_reading(), HasSubstr("000001.bin: 30 bytes are no multiple of 16"));
 }
 
+TEST_F(Kitti, RefusesACutOffScanWhenTheRecordingOpens) {
+  fs::resize_file(sequence_ / "velodyne/000001.bin", 30);
+  EXPECT_THROW((void)open_recording(folder_.path().string()), InputError);
+}
+
 TEST_F(Kitti, NamesEmptyScan) {
   fs::resize_file(sequence_ / "velodyne/000001.bin", 0);
   EXPECT_THAT(error_of_reading(), HasSubstr("000001.bin: holds no point"));
