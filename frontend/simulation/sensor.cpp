@@ -52,16 +52,16 @@ void Sensor::draw_errors(const SimulationParameters& parameters, std::size_t bea
     const double size = random.uniform(low, high);
     return noise * (random.chance(0.5) ? size : -size);
   };
-  const double tilt = of_either_sign(0.14 * degree, 0.24 * degree);
-  errors_.range_scale = 1.0 + of_either_sign(0.0008, 0.0025);
-  errors_.range_walk = noise * random.uniform(0.03, 0.08);
+  const double tilt = of_either_sign(0.18 * degree, 0.32 * degree);
+  errors_.range_scale = 1.0 + of_either_sign(0.0012, 0.0032);
+  errors_.range_walk = noise * random.uniform(0.04, 0.10);
   for (Wobble* w : {&encoder_, &axis_}) {
-    *w = {of_either_sign(0.09 * degree, 0.18 * degree),
+    *w = {of_either_sign(0.12 * degree, 0.25 * degree),
           random.uniform(0.0, 2.0 * std::numbers::pi)};
   }
   for (std::size_t i = 0; i < beams; ++i) {
-    elevation_errors_.push_back(tilt + noise * random.gauss(0.05 * degree));
-    errors_.range.push_back(static_cast<float>(parameters.noise * random.gauss(0.015)));
+    elevation_errors_.push_back(tilt + noise * random.gauss(0.06 * degree));
+    errors_.range.push_back(static_cast<float>(parameters.noise * random.gauss(0.02)));
   }
 }
 
