@@ -61,7 +61,11 @@ SimulatedMaps build_maps(const std::string& recording_name, double spacing, doub
   const auto recording = open_simulation(recording_name);
   const Trajectory truth = recording->ground_truth();
   SimulatedMaps maps;
-  Drift drift(std::hash<std::string>{}(recording_name), drift_factor);
+  std::uint64_t seed = 0xcbf29ce484222325ULL;  // FNV-1a of the name
+  for (const char c : recording_name) {
+    seed = (seed ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  }
+  Drift drift(seed, drift_factor);
   LocalMapBuilder estimated{LocalMapOptions{}};
   LocalMapOptions whole;
   whole.length = 1e4;
@@ -162,11 +166,12 @@ std::vector<double> figures(const ClosureEvaluation& e) {
   const bool any = e.initial_to_proxy.translation_m.count > 0;
   return {static_cast<double>(e.references.size()),
           of(e.detector.average_precision),
-          e.references.empty() ? NAN : of(e.detector.recall_at_full_precision),
+          e.references.empty() ? NAN : e.detector.recall_at_full_precision.value_or(0.0),
           of(e.detector.max_f1),
           static_cast<double>(d.true_positives),
           static_cast<double>(d.misaligned),
           static_cast<double>(d.false_positives),
+          static_cast<double>(d.below_overlap),
           any ? e.initial_to_proxy.translation_m.median : NAN,
           any ? e.initial_to_proxy.rotation_deg.median : NAN,
           of(e.overlap_rmse),
@@ -178,11 +183,15 @@ std::vector<double> figures(const ClosureEvaluation& e) {
 void print_row(const std::string& name, const char* configuration,
                const std::vector<double>& values) {
   std::printf("| %s | %s |", name.c_str(), configuration);
-  for (const double v : values) {
-    if (std::isnan(v)) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool counted = i == 0 || (4 <= i && i <= 7);
+    if (std::isnan(values[i])) {
       std::printf(" - |");
     } else {
-      std::printf(v == std::round(v) && std::abs(v) > 1 ? " %.0f |" : " %.3f |", v);
+      std::printf(!counted                             ? " %.3f |"
+                  : values[i] == std::round(values[i]) ? " %.0f |"
+                                                       : " %.1f |",
+                  values[i]);
     }
   }
   std::printf("\n");
@@ -202,8 +211,10 @@ int run(int argc, char** argv) {
   }
   std::printf(
       "| recording | configuration | references | AP | R@1 | F1 | true | misaligned | false | "
+      "aligned | "
       "initial m | initial deg | overlap error | found: same | opposite | crossing |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- "
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
+      "--- "
       "|\n");
   const std::vector<Configuration> all = configurations();
   std::vector<std::vector<std::vector<double>>> rows(all.size());
