@@ -120,6 +120,8 @@ void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& e
   spdlog::info("pose graph: cost {:.6g} before, {:.6g} after, {} iterations ({})",
                result.solution.summary.cost_before, result.solution.summary.cost_after,
                result.solution.summary.iterations, result.solution.summary.termination);
+  spdlog::info("odometry errs {:.2g} times as much as stated, as far as the closures tell",
+               result.solution.odometry_scale);
   if (evaluation) {
     const auto line = [](const char* name, const TrajectoryEvaluation& e) {
       spdlog::info(

@@ -129,7 +129,8 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                  t.total > 0.0 ? static_cast<double>(result.odometry.size()) / t.total : 0.0},
                 {"peak_memory_mb", peak_memory_mb()},
                 {"pose_graph",
-                 {{"key_poses", summary_document(result.solution.key_summary)},
+                 {{"odometry_scale", result.solution.odometry_scale},
+                  {"key_poses", summary_document(result.solution.key_summary)},
                   {"all_scans", summary_document(result.solution.summary)}}}};
   if (evaluation) {
     document["ape"] = {{"alignment", "se3"},

@@ -48,6 +48,7 @@ ClosureRecord verify_candidate(const ClosureCandidate& candidate, MapStore& quer
   record.information = result.information;
   record.overlap = result.overlap;
   record.rmse = result.rmse;
+  record.agreement = result.agreement;
   return record;
 }
 

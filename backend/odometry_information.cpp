@@ -22,6 +22,15 @@ Vector6d variances(const Pose& step, const OdometryInformationOptions& options) 
 
 }  // namespace
 
+OdometryInformationOptions scaled(OdometryInformationOptions options, double scale) {
+  options.translation *= scale;
+  options.rotation *= scale;
+  options.rotation_per_turn *= scale;
+  options.translation_floor *= scale;
+  options.rotation_floor *= scale;
+  return options;
+}
+
 Matrix6d odometry_covariance(const Pose& T_previous_current,
                              const OdometryInformationOptions& options) {
   return variances(T_previous_current, options).asDiagonal();

@@ -2,7 +2,8 @@
 // a random walk in translation and rotation, so that variances grow with the way gone and turned,
 // and are carried through composition by the adjoint; what a small error of heading does to the
 // position a kilometre later follows from that. It is a model, not a measurement: a degenerate
-// scene (a tunnel) is not seen by it.
+// scene (a tunnel) is not seen by it. How true it is of a recording is found from its closures
+// (odometry_scale.hpp).
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,7 @@ struct OdometryInformationOptions {
   double rotation_per_turn = 2e-3;
   double translation_floor = 1e-3;
   double rotation_floor = 2e-5;
+  bool estimate_scale = true;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -38,8 +40,14 @@ struct OdometryInformationOptions {
           "of every step, also at rest: keeps information finite");
     field("rotation_floor", self.rotation_floor, Range{1e-8, 1.0}, "rad",
           "of every step, also at rest: keeps information finite");
+    field("estimate_scale", self.estimate_scale, OnOff{}, "",
+          "multiply the above by what the closures of the recording say; sensors and scenes differ "
+          "by a factor of ten");
   }
 };
+
+/// Standard deviations times `scale`.
+[[nodiscard]] OdometryInformationOptions scaled(OdometryInformationOptions options, double scale);
 
 /// Covariance of one odometry step T_previous_current, perturbation on the right.
 [[nodiscard]] Matrix6d odometry_covariance(const Pose& T_previous_current,

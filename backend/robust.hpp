@@ -6,7 +6,8 @@
 // Trust in odometry is as good as its information: where odometry errs three times as much as its
 // information says, true closures contradict it and are rejected with the false ones; where it is
 // believed too little, a group of false closures that agree with each other may outvote the true
-// ones near it. pairwise_consistency.hpp is a check that needs no solution.
+// ones near it. odometry_scale.hpp finds out; pairwise_consistency.hpp is a check that needs no
+// solution.
 #pragma once
 
 #include <vector>

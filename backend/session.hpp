@@ -29,9 +29,10 @@ struct ClosureRecord {
   int inliers = 0;
   ClosureStatus status = ClosureStatus::few_inliers;
   std::optional<double> overlap;
-  std::optional<double> rmse;      ///< m, of ICP
-  Pose T_query_reference;          ///< refined where ICP ran, else the initial one
-  Pose initial_T_query_reference;  ///< the detector's own
+  std::optional<double> rmse;       ///< m, of ICP
+  std::optional<double> agreement;  ///< of tall structure, see ColumnAgreement; not in the table
+  Pose T_query_reference;           ///< refined where ICP ran, else the initial one
+  Pose initial_T_query_reference;   ///< the detector's own
   Matrix6d information =
       Matrix6d::Zero();  ///< of T_query_reference; kept in pose_graph.g2o, not in the table
   double weight = 0.0;   ///< the robust solver's, in [0, 1]; not in the table

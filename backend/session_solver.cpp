@@ -6,7 +6,6 @@
 #include <span>
 
 #include "backend/ground_footprint.hpp"
-#include "backend/pairwise_consistency.hpp"
 #include "backend/robust.hpp"
 
 namespace groundloop {
@@ -22,52 +21,29 @@ bool participates(const ClosureRecord& closure) {
   return closure.status == ClosureStatus::accepted || closure.status == ClosureStatus::outlier;
 }
 
-// Calls closures inconsistent that disagree, over the loop through odometry, with most of the
-// largest set that agrees. Only where many pairs disagree: a single one is the robust solver's to
-// judge, which weighs all of them together.
-void check_consistency(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
-                       std::vector<ClosureRecord>& closures) {
-  std::vector<std::size_t> judged;
-  std::vector<PairwiseClosure> pairwise;
-  for (std::size_t i = 0; i < closures.size(); ++i) {
-    const ClosureRecord& c = closures[i];
-    if (c.status != ClosureStatus::accepted) continue;
-    judged.push_back(i);
-    pairwise.push_back(
-        {c.query_map, c.reference_map, {c.T_query_reference, c.information.inverse()}});
+// Finds how much odometry errs, and calls inconsistent what the pairwise check leaves out.
+void find_odometry_scale(SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                         std::vector<ClosureRecord>& closures, SessionSolution& solution,
+                         const Progress& progress) {
+  ScaleOptions options;
+  options.estimate = input.odometry_information.estimate_scale;
+  options.pairwise_consistency = input.pairwise_consistency;
+  options.robust.inlier_probability = input.optimizer.inlier_probability;
+  OdometryScale found = estimate_odometry_scale(
+      key_pose_graph(input.odometry, maps, closures, input.odometry_information), options,
+      progress);
+  solution.odometry_scale = found.scale;
+  input.odometry_information = scaled(input.odometry_information, found.scale);
+  if (found.trials.empty()) return;
+  std::size_t edge = maps.size() - 1;
+  const std::vector<std::size_t>& inconsistent = found.trials[found.best].inconsistent;
+  for (ClosureRecord& closure : closures) {
+    if (!participates(closure)) continue;
+    if (std::find(inconsistent.begin(), inconsistent.end(), edge) != inconsistent.end())
+      closure.status = ClosureStatus::inconsistent;
+    ++edge;
   }
-  // Among a few the largest set is decided by chance.
-  constexpr std::size_t kFew = 6;
-  if (judged.size() < kFew || !input.pairwise_consistency) return;
-  std::vector<Pose> T_world_scan;
-  T_world_scan.reserve(input.odometry.size());
-  for (const StampedPose& sample : input.odometry) T_world_scan.push_back(sample.pose);
-  const ChainFunction chain = [&](int from, int to) {
-    const auto [low, high] = std::minmax(from, to);
-    const RelativePose forward = compose_odometry(
-        T_world_scan, maps[low].first_scan, maps[high].first_scan, input.odometry_information);
-    return from <= to ? forward : inverse(forward);
-  };
-  const double bound = chi_square_quantile_6(ConsistencyOptions{}.probability);
-  const auto n = static_cast<int>(judged.size());
-  std::vector<char> disagrees(static_cast<std::size_t>(n) * n, 0);
-  std::size_t disagreeing = 0;
-  for (int i = 0; i < n; ++i) {
-    for (int j = i + 1; j < n; ++j) {
-      const bool apart = pairwise_distance(pairwise[i], pairwise[j], chain, chain) > bound;
-      disagrees[i * n + j] = disagrees[j * n + i] = apart ? 1 : 0;
-      disagreeing += apart ? 1 : 0;
-    }
-  }
-  constexpr double kManyDisagree = 0.25;
-  if (static_cast<double>(disagreeing) < kManyDisagree * 0.5 * n * (n - 1)) return;
-  const std::vector<int> largest = consistent_sets(pairwise, chain, chain).sets.front();
-  for (int i = 0; i < n; ++i) {
-    const auto against = std::count_if(largest.begin(), largest.end(),
-                                       [&](int j) { return disagrees[i * n + j] != 0; });
-    if (2 * static_cast<std::size_t>(against) > largest.size())
-      closures[judged[i]].status = ClosureStatus::inconsistent;
-  }
+  solution.scale_trials = std::move(found.trials);
 }
 
 // Solves the key-pose graph and hands each closure its verdict.
@@ -137,6 +113,7 @@ std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
       record.status = ClosureStatus::accepted;
       record.overlap = result.overlap;
       record.rmse = result.rmse;
+      record.agreement = result.agreement;
       record.T_query_reference = result.T_query_reference;
       record.initial_T_query_reference = T_query_reference;
       record.information = result.information;
@@ -221,12 +198,13 @@ PoseGraph key_pose_graph(const Trajectory& odometry, const std::vector<LocalMapR
   return graph;
 }
 
-SessionSolution solve_session(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+SessionSolution solve_session(const SolverInput& given, const std::vector<LocalMapRecord>& maps,
                               MapStore& store, std::vector<ClosureRecord>& closures,
                               const Progress& progress) {
   SessionSolution solution;
   auto start = Clock::now();
-  check_consistency(input, maps, closures);
+  SolverInput input = given;
+  if (input.optimizer.robust) find_odometry_scale(input, maps, closures, solution, progress);
   solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
   solution.optimisation_seconds += seconds_since(start);
   const bool connected = std::any_of(closures.begin(), closures.end(), [](const ClosureRecord& c) {

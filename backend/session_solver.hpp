@@ -7,6 +7,7 @@
 
 #include "backend/closure_finder.hpp"
 #include "backend/odometry_information.hpp"
+#include "backend/odometry_scale.hpp"
 #include "backend/optimizer.hpp"
 #include "backend/session.hpp"
 #include "frontend/core/progress.hpp"
@@ -58,6 +59,8 @@ struct SessionSolution {
   OptimizationSummary summary;      ///< of the graph of all scans
   std::size_t revisits_tried = 0;
   std::size_t revisits_accepted = 0;
+  double odometry_scale = 1.0;  ///< found factor on the odometry's standard deviations
+  std::vector<ScaleTrial> scale_trials;
   double optimisation_seconds = 0.0;
   double verification_seconds = 0.0;
 };

@@ -59,8 +59,9 @@ inline Matrix6d closure_covariance() {
 }
 
 /// `poses` steps of about a metre, a lap each `lap` poses, and `closures` at random between a lap
-/// and the one before.
-inline SimulatedGraph simulate_graph(int poses, int closures, int lap, std::uint64_t seed) {
+/// and the one before. Odometry errs `drift` times as much as its information says.
+inline SimulatedGraph simulate_graph(int poses, int closures, int lap, std::uint64_t seed,
+                                     double drift = 1.0) {
   std::mt19937_64 generator(seed);
   SimulatedGraph result;
   const OdometryInformationOptions options = simulated_drift();
@@ -74,7 +75,8 @@ inline SimulatedGraph simulate_graph(int poses, int closures, int lap, std::uint
     GraphEdge edge;
     edge.from = i - 1;
     edge.to = i;
-    edge.T_from_to = step * exp_se3(gaussian(generator, odometry_covariance(step, options)));
+    edge.T_from_to =
+        step * exp_se3(drift * gaussian(generator, odometry_covariance(step, options)));
     edge.information = odometry_information(step, options);
     result.graph.vertices.push_back({i, result.graph.vertices.back().pose * edge.T_from_to, false});
     result.graph.edges.push_back(edge);

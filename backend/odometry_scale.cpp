@@ -1,0 +1,263 @@
+#include "backend/odometry_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include "backend/chain_condensation.hpp"
+#include "backend/closure_groups.hpp"
+#include "backend/gauge.hpp"
+#include "backend/graph_problem.hpp"
+#include "backend/odometry_tree.hpp"
+#include "backend/pairwise_consistency.hpp"
+
+namespace groundloop {
+namespace {
+
+// Closures this near along both ways may be false together, m: half a local map. Farther apart a
+// chain of true ones would count as one event.
+constexpr double kNeighbourDistance = 50.0;
+// Before any closure is seen, odometry is within a factor of e of its statement two times in three.
+constexpr double kLogScaleDeviation = 1.0;
+// Factors of sqrt(2) from a quarter to sixteen times.
+constexpr double kSmallest = 0.25;
+constexpr int kScales = 13;
+
+double log_determinant(const Matrix6d& positive) {
+  return positive.ldlt().vectorD().array().log().sum();
+}
+
+// Logarithm of the determinant of the graph's information about its free poses.
+double log_determinant_of_hessian(const PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
+  const std::vector<char> fixed = gauge(graph, connected_components(graph, ends));
+  std::vector<int> slot(fixed.size());
+  int free = 0;
+  for (std::size_t i = 0; i < fixed.size(); ++i) slot[i] = fixed[i] ? -1 : 6 * free++;
+  std::vector<Eigen::Triplet<double, int>> triplets;
+  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
+    const GraphEdge& edge = graph.edges[k];
+    if (edge.rejected) continue;
+    Matrix6d J_from;
+    Matrix6d J_to;
+    between_residual(graph.vertices[ends[k].from].pose, graph.vertices[ends[k].to].pose,
+                     edge.T_from_to, J_from, J_to);
+    const Matrix6d information =
+        edge.kind == EdgeKind::closure ? bounded_information(edge.information) : edge.information;
+    const auto add = [&](int row, int column, const Matrix6d& block) {
+      if (row < 0 || column < 0) return;
+      for (int c = 0; c < 6; ++c) {
+        for (int r = 0; r < 6; ++r) triplets.emplace_back(row + r, column + c, block(r, c));
+      }
+    };
+    const int a = slot[ends[k].from];
+    const int b = slot[ends[k].to];
+    add(a, a, J_from.transpose() * information * J_from);
+    add(b, b, J_to.transpose() * information * J_to);
+    add(a, b, J_from.transpose() * information * J_to);
+    add(b, a, J_to.transpose() * information * J_from);
+  }
+  Eigen::SparseMatrix<double> H(6 * free, 6 * free);
+  H.setFromTriplets(triplets.begin(), triplets.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
+  return factor.vectorD().array().log().sum();
+}
+
+// Weighs verdicts on one graph with its odometry at one scale.
+class Evidence {
+ public:
+  Evidence(const PoseGraph& graph, const std::vector<EdgeEnds>& ends, const RobustOptions& options)
+      : graph_(graph),
+        ends_(ends),
+        odometry_(graph, ends),
+        bound_(chi_square_quantile_6(options.inlier_probability)) {
+    for (const GraphEdge& edge : graph.edges) {
+      if (edge.kind == EdgeKind::odometry) log_determinant_ += log_determinant(edge.information);
+    }
+  }
+
+  // Of the closures' measurements, given which are true.
+  [[nodiscard]] double of(PoseGraph solved) const {
+    std::vector<std::size_t> accepted;
+    std::vector<std::size_t> rejected;
+    double sum = 0.0;
+    double closures_log_determinant = 0.0;
+    for (std::size_t k = 0; k < solved.edges.size(); ++k) {
+      GraphEdge& edge = solved.edges[k];
+      if (edge.kind != EdgeKind::closure) continue;
+      (edge.rejected ? rejected : accepted).push_back(k);
+      edge.weight = 1.0;
+      if (!edge.rejected)
+        closures_log_determinant += log_determinant(bounded_information(edge.information));
+    }
+    if (!accepted.empty()) {
+      GraphProblem problem(solved, ends_, gauge(solved, connected_components(solved, ends_)));
+      problem.solve({50, 1e-6});
+      // The density of residuals r under odometry: their covariance S has
+      // |S| = |Hessian| / (|odometry information| |closure information|).
+      sum += -cost(solved) -
+             0.5 * (log_determinant_of_hessian(solved, ends_) - log_determinant_ -
+                    closures_log_determinant) -
+             3.0 * std::log(2.0 * std::numbers::pi) * static_cast<double>(accepted.size());
+      sum += prior(group(accepted), true);
+    }
+    const ClosureGroups false_groups = group(rejected);
+    for (const double inner : false_groups.inner_log_density)
+      sum += inner - std::log(kFalseClosureVolume);
+    return sum + prior(false_groups, false);
+  }
+
+ private:
+  [[nodiscard]] ClosureGroups group(const std::vector<std::size_t>& closures) const {
+    return group_closures(graph_, ends_, odometry_, closures, kNeighbourDistance, bound_);
+  }
+
+  // Logarithm of the probability that the groups are what they are called.
+  [[nodiscard]] double prior(const ClosureGroups& groups, bool called_true) const {
+    double sum = 0.0;
+    for (const std::vector<std::size_t>& members : groups.groups) {
+      const double odds = kLogOdds + kLogOddsOfNeighbour * static_cast<double>(members.size() - 1);
+      sum -= std::log1p(std::exp(called_true ? -odds : odds));
+    }
+    return sum;
+  }
+
+  // Of a verified closure before odometry and other closures are asked: one in twenty is false.
+  static constexpr double kLogOdds = 3.0;
+  // What each further member of a group adds to its log-odds: false groups tend to be small.
+  static constexpr double kLogOddsOfNeighbour = 0.5;
+
+  const PoseGraph& graph_;
+  const std::vector<EdgeEnds>& ends_;
+  OdometryTree odometry_;
+  double bound_;
+  double log_determinant_ = 0.0;
+};
+
+bool is_one_chain(const PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
+  PoseGraph odometry = graph;
+  for (GraphEdge& edge : odometry.edges)
+    edge.rejected = edge.rejected || edge.kind == EdgeKind::closure;
+  const std::vector<int> component = connected_components(odometry, ends);
+  return std::all_of(component.begin(), component.end(), [](int c) { return c == 0; });
+}
+
+// Closures that disagree, over the loop through odometry, with most of the largest set that agrees.
+std::vector<std::size_t> inconsistent_closures(const PoseGraph& graph,
+                                               const std::vector<EdgeEnds>& ends,
+                                               double probability) {
+  std::vector<std::size_t> judged;
+  std::vector<PairwiseClosure> pairwise;
+  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
+    const GraphEdge& edge = graph.edges[k];
+    if (edge.kind != EdgeKind::closure || edge.rejected) continue;
+    judged.push_back(k);
+    pairwise.push_back({ends[k].from,
+                        ends[k].to,
+                        {edge.T_from_to, bounded_information(edge.information).inverse()}});
+  }
+  const OdometryTree odometry(graph, ends);
+  const ChainFunction chain = [&](int from, int to) { return odometry.between(from, to); };
+  const std::vector<int> largest =
+      consistent_sets(pairwise, chain, chain, {probability}).sets.front();
+  const double bound = chi_square_quantile_6(probability);
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < pairwise.size(); ++i) {
+    const auto against = std::count_if(largest.begin(), largest.end(), [&](int j) {
+      return static_cast<std::size_t>(j) != i &&
+             pairwise_distance(pairwise[i], pairwise[static_cast<std::size_t>(j)], chain, chain) >
+                 bound;
+    });
+    if (2 * static_cast<std::size_t>(against) > largest.size()) result.push_back(judged[i]);
+  }
+  return result;
+}
+
+// Judges the closures of a condensed graph at each scale asked of it.
+class Search {
+ public:
+  Search(const CondensedGraph& condensed, const ScaleOptions& options, const Progress& progress)
+      : condensed_(condensed),
+        ends_(resolve_edges(condensed.graph)),
+        options_(options),
+        progress_(progress) {
+    for (const GraphEdge& edge : condensed.graph.edges)
+      closures_ += edge.kind == EdgeKind::closure ? 1 : 0;
+  }
+
+  [[nodiscard]] bool has_answer() const {
+    return closures_ > 0 && is_one_chain(condensed_.graph, ends_);
+  }
+
+  [[nodiscard]] ScaleTrial at(double log_scale) const {
+    PoseGraph graph = condensed_.graph;
+    scale_odometry(graph, std::exp(log_scale));
+    const Evidence evidence(graph, ends_, options_.robust);
+    const double prior = 0.5 * log_scale * log_scale / (kLogScaleDeviation * kLogScaleDeviation);
+    ScaleTrial trial = judged(graph, evidence, {});
+    // Among a few closures, or where few disagree, the largest set is decided by chance.
+    constexpr std::size_t kFew = 6;
+    constexpr double kManyRejected = 0.25;
+    if (options_.pairwise_consistency && closures_ >= kFew &&
+        static_cast<double>(closures_) - trial.accepted >=
+            kManyRejected * static_cast<double>(closures_)) {
+      ScaleTrial other = judged(
+          graph, evidence, inconsistent_closures(graph, ends_, options_.robust.inlier_probability));
+      if (other.log_evidence > trial.log_evidence) trial = std::move(other);
+    }
+    trial.scale = std::exp(log_scale);
+    trial.log_evidence -= prior;
+    return trial;
+  }
+
+ private:
+  [[nodiscard]] ScaleTrial judged(PoseGraph graph, const Evidence& evidence,
+                                  const std::vector<std::size_t>& inconsistent) const {
+    ScaleTrial trial;
+    for (const std::size_t k : inconsistent) {
+      graph.edges[k].rejected = true;
+      trial.inconsistent.push_back(condensed_.edge_of[k]);
+    }
+    trial.accepted = judge_closures(graph, ends_, options_.robust, progress_).accepted;
+    trial.log_evidence = evidence.of(std::move(graph));
+    return trial;
+  }
+
+  const CondensedGraph& condensed_;
+  std::vector<EdgeEnds> ends_;
+  const ScaleOptions& options_;
+  const Progress& progress_;
+  std::size_t closures_ = 0;
+};
+
+}  // namespace
+
+void scale_odometry(PoseGraph& graph, double scale) {
+  for (GraphEdge& edge : graph.edges) {
+    if (edge.kind == EdgeKind::odometry) edge.information /= scale * scale;
+  }
+}
+
+OdometryScale estimate_odometry_scale(const PoseGraph& graph, const ScaleOptions& options,
+                                      const Progress& progress) {
+  OdometryScale result;
+  const CondensedGraph condensed = condense_chains(graph, resolve_edges(graph));
+  const Search search(condensed, options, progress);
+  if (!search.has_answer()) return result;
+  if (!options.estimate) {
+    result.trials.push_back(search.at(0.0));
+    return result;
+  }
+  for (int i = 0; i < kScales; ++i) {
+    result.trials.push_back(search.at(std::log(kSmallest) + 0.5 * std::numbers::ln2 * i));
+    if (result.trials.back().log_evidence > result.trials[result.best].log_evidence)
+      result.best = result.trials.size() - 1;
+  }
+  result.scale = result.trials[result.best].scale;
+  return result;
+}
+
+}  // namespace groundloop

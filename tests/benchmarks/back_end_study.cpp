@@ -1,0 +1,160 @@
+// Runs the back end alone on a finished session, as often as asked, and measures it against ground
+// truth: the table of absolute pose errors without closures, with the detector's own, with robust
+// solving, with everything (tests/benchmarks/ape_table.sh), and the normalised squared error of the
+// closures. Usage: groundloop_back_end_study SESSION [--truth TUM] [--candidates] [KEY=VALUE]...
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "apps/config.hpp"
+#include "backend/odometry_scale.hpp"
+#include "backend/session_solver.hpp"
+#include "backend/stored_session.hpp"
+#include "backend/trajectory_evaluation.hpp"
+#include "frontend/core/error.hpp"
+#include "frontend/recording.hpp"
+#include "loopclosure/loop_database.hpp"
+
+namespace groundloop {
+namespace {
+
+struct Study {
+  SessionFolder folder;
+  SessionPart part;
+  Trajectory truth;
+  apps::Config config;
+  std::vector<Pose> true_pose;  // T_world_map of each map, empty without truth
+
+  std::vector<ClosureRecord> closures(MapStore& store, bool verify) {
+    LoopDatabase database(config.slam.loop_closure);
+    std::vector<ClosureRecord> records;
+    ClosureOptions options = config.slam.closures;
+    options.verification = verify;
+    for (const MapDescription& description : part.descriptions) {
+      for (const ClosureCandidate& candidate : database.query(description)) {
+        records.push_back(verify_candidate(candidate, store, candidate.query.map, store,
+                                           candidate.reference.map, options,
+                                           config.slam.verification, config.slam.registration));
+      }
+      database.insert(description);
+    }
+    return records;
+  }
+
+  // Translation, rotation and normalised squared error of a closure.
+  void errors(const ClosureRecord& c, double& m, double& deg, double& nees) const {
+    m = deg = nees = std::nan("");
+    if (true_pose.empty()) return;
+    const Pose expected = true_pose[c.query_map].inverse() * true_pose[c.reference_map];
+    const Pose error = c.T_query_reference.inverse() * expected;
+    m = error.translation.norm();
+    deg = rotation_angle(error.rotation) * 180.0 / M_PI;
+    const Vector6d xi = log_se3(error);
+    nees = xi.dot(c.information * xi);
+  }
+
+  // One row of the table.
+  void solve(const char* name, std::vector<ClosureRecord> records, MapStore& store, bool robust,
+             bool revisits, bool list) {
+    OptimizerOptions optimizer = config.slam.pose_graph;
+    optimizer.robust = robust;
+    RevisitOptions more = config.slam.revisits;
+    more.enabled = revisits;
+    OdometryInformationOptions drift = config.slam.odometry_information;
+    drift.estimate_scale = drift.estimate_scale && robust;
+    const SolverInput input{part.odometry,
+                            drift,
+                            optimizer,
+                            more,
+                            config.slam.verification,
+                            config.slam.registration,
+                            robust && config.slam.closures.pairwise_consistency};
+    const SessionSolution solution = solve_session(input, part.maps, store, records, {});
+    int accepted = 0, wrong = 0, counted = 0;
+    double sum = 0.0;
+    std::vector<double> all;
+    for (const ClosureRecord& c : records) {
+      double m, deg, nees;
+      errors(c, m, deg, nees);
+      if (list && c.status != ClosureStatus::few_inliers) {
+        std::printf(
+            "  %3d %3d %-8s %4d inliers overlap %.2f agreement %5.2f rmse %.3f %-12s error %7.2f m "
+            "%6.2f deg nees %9.1f\n",
+            c.reference_map, c.query_map, to_string(c.source), c.inliers, c.overlap.value_or(0),
+            c.agreement.value_or(0), c.rmse.value_or(0), to_string(c.status), m, deg, nees);
+      }
+      if (c.status != ClosureStatus::accepted) continue;
+      ++accepted;
+      if (m > 5.0 || deg > 5.0) ++wrong;
+      sum += nees;
+      all.push_back(nees);
+      ++counted;
+    }
+    const double ape = truth.empty()
+                           ? std::nan("")
+                           : evaluate_trajectory(solution.trajectory, truth).ape.translation_m.rmse;
+    std::printf("| %s | %d | %d | %.3f | %.2f | %.1f | %.1f |\n", name, accepted, wrong, ape,
+                solution.odometry_scale, counted > 0 ? sum / counted : 0.0, statistics(all).median);
+    if (list) {
+      for (const ScaleTrial& t : solution.scale_trials)
+        std::printf("  scale %5.2f accepts %d log evidence %.2f\n", t.scale, t.accepted,
+                    t.log_evidence);
+    }
+  }
+};
+
+int run(int count, char** arguments) {
+  std::string folder, truth;
+  std::vector<std::string> settings;
+  bool list = false;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    if (argument == "--truth" && i + 1 < count) {
+      truth = arguments[++i];
+    } else if (argument == "--candidates") {
+      list = true;
+    } else if (argument.find('=') != std::string::npos) {
+      settings.push_back(argument);
+    } else {
+      folder = argument;
+    }
+  }
+  const apps::Config config = apps::effective_config("", settings);
+  StoredSession session = load_session(folder, config.slam.loop_closure);
+  Study study{session.folder, session.parts.front(), {}, config, {}};
+  study.truth =
+      truth.empty() ? open_recording(study.part.recording)->ground_truth() : read_tum(truth);
+  if (!study.truth.empty()) {
+    const TrajectoryEvaluation e = evaluate_trajectory(study.part.odometry, study.truth);
+    std::vector<Pose> by_scan(study.part.odometry.size());
+    for (const auto& [scan, row] : e.pairs) by_scan[scan] = study.truth[row].pose;
+    for (const LocalMapRecord& map : study.part.maps)
+      study.true_pose.push_back(by_scan[map.first_scan]);
+    std::printf("%s: %zu scans, %.0f m, drift %.2f %%\n", study.part.recording.c_str(),
+                by_scan.size(), e.path_length_m, e.kitti_translation_percent);
+  }
+  MapStore store(study.folder, config.slam.registration, 40);
+  std::printf("| variant | accepted | false | APE, m | scale | mean NEES | median |\n");
+  study.solve("no closures", {}, store, false, false, false);
+  study.solve("detector only", study.closures(store, false), store, false, false, false);
+  const std::vector<ClosureRecord> verified = study.closures(store, true);
+  std::vector<ClosureRecord> unverified = study.closures(store, false);
+  study.solve("detector and robust", unverified, store, true, false, false);
+  study.solve("verified, not robust", verified, store, false, false, false);
+  study.solve("verified and robust", verified, store, true, false, list);
+  study.solve("all", verified, store, true, true, list);
+  return 0;
+}
+
+}  // namespace
+}  // namespace groundloop
+
+int main(int count, char** arguments) {
+  try {
+    return groundloop::run(count, arguments);
+  } catch (const groundloop::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}
