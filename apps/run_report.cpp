@@ -62,6 +62,24 @@ ReportTable pose_graph_table(const SessionSolution& solution) {
           {row("key poses", solution.key_summary), row("all scans", solution.summary)}};
 }
 
+ReportTable map_quality_table(const MapQuality& quality) {
+  const auto row = [](const char* name, const RevisitQuality& q) -> std::vector<std::string> {
+    return {name, fixed(q.plane_thickness, 3), fixed(q.entropy, 3)};
+  };
+  std::string note = "Mean over " + std::to_string(quality.pairs) +
+                     " pairs of local maps of the same places: distance of one map's points to the "
+                     "other's surfaces (lower is sharper), and map entropy.";
+  if (quality.worse) {
+    note += quality.given_up ? " WORSE after closing loops: the closures were given up, the "
+                               "trajectory is the odometry."
+                             : " WORSE after closing loops, and kept, as the configuration asks.";
+  }
+  return {"Map at revisits",
+          note,
+          {"poses", "surfaces apart, m", "entropy"},
+          {row("odometry", quality.before), row("optimised", quality.after)}};
+}
+
 }  // namespace
 
 std::string make_run_report(const Recording& recording, const Config& config,
@@ -94,6 +112,8 @@ std::string make_run_report(const Recording& recording, const Config& config,
   for (const ClosureRecord& closure : result.closures)
     input.closures.push_back(report_closure(closure, result, truth));
   input.tables.push_back(pose_graph_table(result.solution));
+  if (result.solution.map_quality.pairs > 0)
+    input.tables.push_back(map_quality_table(result.solution.map_quality));
   const StageTimes& t = result.times;
   input.timing_s = {{"read", t.read},
                     {"odometry", t.odometry},
@@ -105,6 +125,7 @@ std::string make_run_report(const Recording& recording, const Config& config,
                     {"consensus", t.consensus},
                     {"verification", t.verification},
                     {"optimisation", t.optimisation},
+                    {"map quality", t.map_quality},
                     {"map", t.map},
                     {"total (clock)", t.total}};
   input.configuration = to_yaml(config);

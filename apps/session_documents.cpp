@@ -26,6 +26,18 @@ Json summary_document(const OptimizationSummary& s) {
           {"termination", s.termination}, {"rejected_edges", s.rejected_edges.size()}};
 }
 
+Json quality_document(const MapQuality& quality) {
+  if (quality.pairs == 0) return {{"pairs", 0}};
+  const auto figures = [](const RevisitQuality& q) -> Json {
+    return {{"plane_thickness_m", q.plane_thickness}, {"entropy", q.entropy}, {"cells", q.cells}};
+  };
+  return {{"pairs", quality.pairs},
+          {"before", figures(quality.before)},
+          {"after", figures(quality.after)},
+          {"worse", quality.worse},
+          {"given_up", quality.given_up}};
+}
+
 Json ape_document(const TrajectoryEvaluation& e) {
   return to_json(e, TrajectoryEvaluationOptions{}).at("ape");
 }
@@ -123,6 +135,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                   {"consensus", t.consensus},
                   {"verification", t.verification},
                   {"optimisation", t.optimisation},
+                  {"map_quality", t.map_quality},
                   {"map", t.map},
                   {"total", t.total}}},
                 {"scans_per_second",
@@ -132,6 +145,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                  {{"odometry_scale", result.solution.odometry_scale},
                   {"key_poses", summary_document(result.solution.key_summary)},
                   {"all_scans", summary_document(result.solution.summary)}}}};
+  document["map_quality"] = quality_document(result.solution.map_quality);
   if (evaluation) {
     document["ape"] = {{"alignment", "se3"},
                        {"pairs", evaluation->optimised.pairs.size()},

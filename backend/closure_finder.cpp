@@ -1,5 +1,6 @@
 #include "backend/closure_finder.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "loopclosure/describe.hpp"
@@ -40,9 +41,12 @@ ClosureRecord verify_candidate(const ClosureCandidate& candidate, MapStore& quer
   }
   const std::shared_ptr<StoredMap> query = queries.get(query_id);
   const std::shared_ptr<StoredMap> reference = references.get(reference_id);
+  VerificationOptions limits = verification;
+  if (candidate.inliers >= limits.vouching_inliers)
+    limits.min_agreement = std::min(limits.min_agreement, limits.vouched_agreement);
   const ClosureVerification result =
       verify_closure(query->target(), query->points(), reference->points(),
-                     candidate.T_query_reference, verification, registration);
+                     candidate.T_query_reference, limits, registration);
   record.status = result.status;
   record.T_query_reference = result.T_query_reference;
   record.information = result.information;

@@ -275,6 +275,16 @@ Pose coarse_pose(const Refinement& refinement, const Pose& T_initial, std::size_
   return best;
 }
 
+// Every n-th point, so that at most `limit` are left.
+Points thinned(const Points& points, std::size_t limit) {
+  const std::size_t stride = std::max<std::size_t>(1, (points.size() + limit - 1) / limit);
+  if (stride == 1) return points;
+  Points result;
+  result.reserve(points.size() / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) result.push_back(points[i]);
+  return result;
+}
+
 std::string failure_of(const RegistrationResult& result, const Pose& T_initial, bool settled,
                        const RegistrationOptions& options) {
   const Pose moved = T_initial.inverse() * result.T_target_source;
@@ -315,7 +325,8 @@ RegistrationTarget::RegistrationTarget(const Points& points, const RegistrationO
 RegistrationResult register_points(const RegistrationTarget& target, const Points& source,
                                    const Pose& T_target_source_initial,
                                    const RegistrationOptions& options) {
-  const VoxelPyramid cells(source, options.voxel_size, options.levels, false);
+  const VoxelPyramid cells(thinned(source, static_cast<std::size_t>(options.max_points)),
+                           options.voxel_size, options.levels, false);
   const Refinement refinement(target.pyramid(), cells, options);
   RegistrationResult result;
   result.T_target_source = T_target_source_initial;

@@ -19,6 +19,7 @@ struct RegistrationOptions {
   int levels = 5;
   int max_iterations = 30;
   double kernel = 0.5;
+  int max_points = 250000;
   int max_cells = 20000;
   double heading_starts_deg = 3.0;
   double translation_tolerance = 5e-3;
@@ -41,6 +42,8 @@ struct RegistrationOptions {
     field("max_iterations", self.max_iterations, Range{1, 1000}, "", "of each level");
     field("kernel", self.kernel, Range{0.01, 10.0}, "",
           "scale of the Geman-McClure kernel over the cell size of a level");
+    field("max_points", self.max_points, Range{1000, 1e9}, "",
+          "of the source that make its cells; a few a cell give the mean");
     field("max_cells", self.max_cells, Range{100, 1e7}, "",
           "of the source in a level's sums; more cost time and no longer help");
     field("heading_starts_deg", self.heading_starts_deg, Range{0.0, 45.0}, "deg",

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include <spdlog/spdlog.h>
+
 #include "backend/ground_footprint.hpp"
 #include "backend/robust.hpp"
 
@@ -198,6 +200,83 @@ PoseGraph key_pose_graph(const Trajectory& odometry, const std::vector<LocalMapR
   return graph;
 }
 
+namespace {
+
+std::vector<GroundFootprint> footprints_of(const std::vector<LocalMapRecord>& maps,
+                                           MapStore& store) {
+  std::vector<GroundFootprint> footprints;
+  for (const LocalMapRecord& map : maps)
+    footprints.push_back(ground_footprint(store.get(map.map)->points()));
+  return footprints;
+}
+
+// Adds closures that the solution reveals, and solves again, until nothing is gained.
+void revisit(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+             const std::vector<GroundFootprint>& footprints, MapStore& store,
+             std::vector<ClosureRecord>& closures, SessionSolution& solution,
+             const Progress& progress) {
+  std::vector<std::pair<int, int>> tried;
+  for (int round = 0; round < input.revisits.max_rounds; ++round) {
+    auto start = Clock::now();
+    const std::size_t added = add_revisits(input, solution.key_graph, footprints, store, tried,
+                                           closures, solution, progress);
+    solution.verification_seconds += seconds_since(start);
+    if (added == 0) break;
+    start = Clock::now();
+    solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
+    solution.optimisation_seconds += seconds_since(start);
+  }
+  solution.revisits_accepted = static_cast<std::size_t>(
+      std::count_if(closures.begin(), closures.end(), [](const ClosureRecord& c) {
+        return c.source == ClosureSource::overlap && c.status == ClosureStatus::accepted;
+      }));
+}
+
+// The graph of all scans, and the maps' poses in it.
+void finish(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+            const std::vector<ClosureRecord>& closures, SessionSolution& solution,
+            const Progress& progress) {
+  const auto start = Clock::now();
+  solution.summary =
+      solve_all_scans(input, maps, closures, solution.key_graph, solution.trajectory, progress);
+  solution.T_world_map.clear();
+  for (const LocalMapRecord& map : maps)
+    solution.T_world_map.push_back(solution.trajectory[map.first_scan].pose);
+  solution.optimisation_seconds += seconds_since(start);
+}
+
+// Compares with odometry where places were seen twice; a solution that is worse gives up its
+// closures, unless asked to stay.
+void check_quality(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                   const std::vector<GroundFootprint>& footprints, MapStore& store,
+                   std::vector<ClosureRecord>& closures, SessionSolution& solution,
+                   const Progress& progress) {
+  std::vector<Pose> before;
+  for (const LocalMapRecord& map : maps) before.push_back(input.odometry[map.first_scan].pose);
+  solution.map_quality =
+      compare_revisits(footprints, before, solution.T_world_map, store, input.map_quality);
+  MapQuality& quality = solution.map_quality;
+  if (!quality.worse) return;
+  quality.given_up = !input.map_quality.keep_worse;
+  spdlog::warn(
+      "the map at revisits is worse after closing loops: surfaces {:.3f} m apart, {:.3f} m by "
+      "odometry; {}",
+      quality.after.plane_thickness, quality.before.plane_thickness,
+      quality.given_up ? "the closures are given up and the trajectory is the odometry"
+                       : "kept all the same, as map_quality.keep_worse asks");
+  if (!quality.given_up) return;
+  for (ClosureRecord& c : closures) {
+    if (c.status == ClosureStatus::accepted) c.status = ClosureStatus::outlier;
+    c.weight = 0.0;
+  }
+  std::vector<ClosureRecord> none;
+  solution.revisits_accepted = 0;
+  solution.key_summary = judge(input, maps, none, solution.key_graph, progress);
+  finish(input, maps, none, solution, progress);
+}
+
+}  // namespace
+
 SessionSolution solve_session(const SolverInput& given, const std::vector<LocalMapRecord>& maps,
                               MapStore& store, std::vector<ClosureRecord>& closures,
                               const Progress& progress) {
@@ -210,34 +289,17 @@ SessionSolution solve_session(const SolverInput& given, const std::vector<LocalM
   const bool connected = std::any_of(closures.begin(), closures.end(), [](const ClosureRecord& c) {
     return c.status == ClosureStatus::accepted;
   });
-  if (input.revisits.enabled && connected) {
+  std::vector<GroundFootprint> footprints;
+  if (connected && (input.revisits.enabled || input.map_quality.pairs > 0)) {
     start = Clock::now();
-    std::vector<GroundFootprint> footprints;
-    for (const LocalMapRecord& map : maps)
-      footprints.push_back(ground_footprint(store.get(map.map)->points()));
-    std::vector<std::pair<int, int>> tried;
+    footprints = footprints_of(maps, store);
     solution.verification_seconds += seconds_since(start);
-    for (int round = 0; round < input.revisits.max_rounds; ++round) {
-      start = Clock::now();
-      const std::size_t added = add_revisits(input, solution.key_graph, footprints, store, tried,
-                                             closures, solution, progress);
-      solution.verification_seconds += seconds_since(start);
-      if (added == 0) break;
-      start = Clock::now();
-      solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
-      solution.optimisation_seconds += seconds_since(start);
-    }
-    solution.revisits_accepted = static_cast<std::size_t>(
-        std::count_if(closures.begin(), closures.end(), [](const ClosureRecord& c) {
-          return c.source == ClosureSource::overlap && c.status == ClosureStatus::accepted;
-        }));
   }
-  start = Clock::now();
-  solution.summary =
-      solve_all_scans(input, maps, closures, solution.key_graph, solution.trajectory, progress);
-  solution.optimisation_seconds += seconds_since(start);
-  for (const LocalMapRecord& map : maps)
-    solution.T_world_map.push_back(solution.trajectory[map.first_scan].pose);
+  if (connected && input.revisits.enabled)
+    revisit(input, maps, footprints, store, closures, solution, progress);
+  finish(input, maps, closures, solution, progress);
+  if (connected && input.map_quality.pairs > 0)
+    check_quality(input, maps, footprints, store, closures, solution, progress);
   return solution;
 }
 

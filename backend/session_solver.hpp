@@ -9,6 +9,7 @@
 #include "backend/odometry_information.hpp"
 #include "backend/odometry_scale.hpp"
 #include "backend/optimizer.hpp"
+#include "backend/revisit_check.hpp"
 #include "backend/session.hpp"
 #include "frontend/core/progress.hpp"
 #include "frontend/core/trajectory.hpp"
@@ -46,6 +47,7 @@ struct SolverInput {
   OdometryInformationOptions odometry_information;
   OptimizerOptions optimizer;
   RevisitOptions revisits;
+  MapQualityOptions map_quality;
   VerificationOptions verification;
   RegistrationOptions registration;
   bool pairwise_consistency = true;
@@ -59,6 +61,7 @@ struct SessionSolution {
   OptimizationSummary summary;      ///< of the graph of all scans
   std::size_t revisits_tried = 0;
   std::size_t revisits_accepted = 0;
+  MapQuality map_quality;       ///< at revisits, by odometry and in the solution
   double odometry_scale = 1.0;  ///< found factor on the odometry's standard deviations
   std::vector<ScaleTrial> scale_trials;
   double optimisation_seconds = 0.0;

@@ -110,17 +110,16 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
-  const SolverInput input{result.odometry,
-                          options.odometry_information,
-                          options.pose_graph,
-                          options.revisits,
-                          options.verification,
-                          options.registration,
-                          options.closures.pairwise_consistency};
+  plant_false_closures(options.planted_closures, result.odometry, result.maps, result.closures);
+  const SolverInput input{result.odometry,      options.odometry_information,
+                          options.pose_graph,   options.revisits,
+                          options.map_quality,  options.verification,
+                          options.registration, options.closures.pairwise_consistency};
   result.solution =
       solve_session(input, result.maps, state.finder.store(), result.closures, progress);
   result.times.optimisation = result.solution.optimisation_seconds;
   result.times.verification += result.solution.verification_seconds;
+  result.times.map_quality = result.solution.map_quality.seconds;
   for (std::size_t m = 0; m < result.maps.size(); ++m)
     result.maps[m].T_world_map = result.solution.T_world_map[m];
   write_results(folder, result, state.finder);

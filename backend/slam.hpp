@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/closure_finder.hpp"
+#include "backend/planted_closures.hpp"
 #include "backend/session.hpp"
 #include "backend/session_solver.hpp"
 #include "frontend/core/progress.hpp"
@@ -35,13 +36,15 @@ struct SlamOptions {
   OdometryInformationOptions odometry_information;
   OptimizerOptions pose_graph = robust_optimizer();  ///< closures of a recording are to be judged
   RevisitOptions revisits;
+  MapQualityOptions map_quality;
+  PlantedClosureOptions planted_closures;
 };
 
 /// Busy seconds by stage, and the clock.
 struct StageTimes {
   double read = 0, odometry = 0, local_maps = 0, ground_alignment = 0, density_image = 0,
-         features = 0, matching = 0, consensus = 0, verification = 0, optimisation = 0, map = 0,
-         total = 0;
+         features = 0, matching = 0, consensus = 0, verification = 0, optimisation = 0,
+         map_quality = 0, map = 0, total = 0;
 };
 
 struct SlamResult {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "backend/overlap.hpp"
+#include "frontend/core/parallel.hpp"
 
 namespace groundloop {
 namespace {
@@ -58,9 +59,16 @@ ClosureVerification verify_closure(const RegistrationTarget& query_target, const
     result.reason = icp.failure;
     return result;
   }
-  result.overlap = overlap_of(query_target, query, reference, icp.T_target_source);
-  const ColumnGrid columns(reference, icp.T_target_source, query_target.up());
-  const ColumnAgreement agreement = query_target.columns().agreement(columns);
+  ColumnAgreement agreement;
+  // The two judges are independent and each walks over all points in order.
+  parallel_for(2, 1, [&](std::size_t judge) {
+    if (judge == 0) {
+      result.overlap = overlap_of(query_target, query, reference, icp.T_target_source);
+    } else {
+      const ColumnGrid columns(reference, icp.T_target_source, query_target.up());
+      agreement = query_target.columns().agreement(columns);
+    }
+  });
   result.agreement = agreement.correlation;
   const double min_overlap =
       agreement.defined ? verification.min_overlap : verification.min_overlap_without_structure;

@@ -24,18 +24,25 @@ enum class ClosureStatus {
 [[nodiscard]] const char* to_string(ClosureStatus status);
 
 struct VerificationOptions {
-  double min_overlap = 0.3;
+  double min_overlap = 0.25;
   double min_agreement = 0.48;
+  int vouching_inliers = 15;
+  double vouched_agreement = 0.4;
   double min_overlap_without_structure = 0.5;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("min_overlap", self.min_overlap, Range{0.0, 1.0}, "",
           "shared 0.5 m voxels over those of the smaller map; true closures of the real drive have "
-          "0.25 and more, wrong ones up to 0.4");
+          "0.28 and more, wrong ones up to 0.47");
     field("min_agreement", self.min_agreement, Range{-1.0, 1.0}, "",
-          "correlation of tall and flat columns; on the real drive true closures have 0.54 and "
-          "more, wrong ones 0.41 at most");
+          "correlation of tall and flat columns; on the real drive true closures have 0.65 and "
+          "more, wrong ones 0.44 at most");
+    field("vouching_inliers", self.vouching_inliers, Range{3, 10000}, "",
+          "a candidate with so many inliers of the density images has two witnesses; wrong ones "
+          "have 10 at most outside strictly periodic places, and");
+    field("vouched_agreement", self.vouched_agreement, Range{-1.0, 1.0}, "",
+          "this agreement is enough of it; true ones of a simulated town have 0.43 and more");
     field("min_overlap_without_structure", self.min_overlap_without_structure, Range{0.0, 1.0}, "",
           "asked where all columns are flat or all tall, so that nothing can be correlated");
   }

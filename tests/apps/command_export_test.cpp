@@ -1,3 +1,4 @@
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -48,6 +49,35 @@ TEST(ExportCommand, WritesEachFormatFromTheOptimisedPoses) {
     const bool las = out.extension() == ".las";
     EXPECT_EQ(std::filesystem::file_size(out), las ? 375 + 6 * 20 : 384 + 6 * 12);
   }
+}
+
+TEST(ExportCommand, GivesThePointsOfAMergedSessionTheirRecording) {
+  const testing::TemporaryFolder folder;
+  const std::string session = write_session(folder);
+  const auto manifest = [&](const char* frame_of_b) {
+    write_text_atomically(
+        SessionFolder(session).file("manifest.json"),
+        std::string(R"({"sessions":[{"name":"a","frame":"a","first_map":0,"local_maps":1},)") +
+            R"({"name":"b","frame":")" + frame_of_b + R"(","first_map":1,"local_maps":1}]})");
+  };
+  const auto out = folder / "map.ply";
+  manifest("a");
+  ASSERT_EQ(run(session + " --voxel 0 --out " + out.string(), folder / "err"), 0)
+      << read_text(folder / "err");
+  std::string text = read_text(out);
+  EXPECT_NE(text.find("session"), std::string::npos);
+  EXPECT_NE(text.find("element vertex 6"), std::string::npos) << text.substr(0, 200);
+  // The last two bytes of a record are the recording's place.
+  const std::string records = text.substr(text.size() - 6 * 14);
+  std::array<int, 2> points{};
+  for (int i = 0; i < 6; ++i) ++points.at(static_cast<unsigned char>(records[14 * i + 12]));
+  EXPECT_EQ(points, (std::array<int, 2>{3, 3}));
+
+  manifest("b");  // in a frame of its own: not part of this map
+  ASSERT_EQ(run(session + " --voxel 0 --out " + out.string(), folder / "err"), 0);
+  text = read_text(out);
+  EXPECT_NE(text.find("element vertex 3"), std::string::npos) << text.substr(0, 200);
+  EXPECT_NE(read_text(folder / "err").find("'b' is not connected"), std::string::npos);
 }
 
 TEST(ExportCommand, FailsWithOneLineAndLeavesNothing) {
