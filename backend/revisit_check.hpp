@@ -16,7 +16,7 @@
 namespace groundloop {
 
 struct MapQualityOptions {
-  int pairs = 6;
+  int pairs = 5;
   double max_loss = 0.05;
   bool keep_worse = false;
 
