@@ -108,9 +108,11 @@ std::optional<ClosureRecord> JointProblem::try_pair(const PoseGraph& poses, int 
       poses.vertices[query].pose.inverse() * poses.vertices[reference].pose;
   const std::shared_ptr<StoredMap> q = map(query);
   const std::shared_ptr<StoredMap> r = map(reference);
+  VerificationOptions limits = options_.matching.verification;
+  limits.min_agreement = options_.revisits.min_agreement;
   const ClosureVerification result =
-      verify_closure(q->target(), q->points(), r->points(), T_query_reference,
-                     options_.matching.verification, options_.matching.registration);
+      verify_closure(q->target(), q->points(), r->points(), T_query_reference, limits,
+                     options_.matching.registration);
   const Pose moved = T_query_reference.inverse() * result.T_query_reference;
   if (result.status != ClosureStatus::accepted ||
       moved.translation.norm() > options_.revisits.max_distance ||

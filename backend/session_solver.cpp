@@ -97,9 +97,10 @@ std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
       ++solution.revisits_tried;
       if (progress) progress("revisits", solution.revisits_tried, 0);
       const std::shared_ptr<StoredMap> q = store.get(query), r = store.get(reference);
-      const ClosureVerification result =
-          verify_closure(q->target(), q->points(), r->points(), T_query_reference,
-                         input.verification, input.registration);
+      VerificationOptions limits = input.verification;
+      limits.min_agreement = input.revisits.min_agreement;
+      const ClosureVerification result = verify_closure(
+          q->target(), q->points(), r->points(), T_query_reference, limits, input.registration);
       const Pose moved = T_query_reference.inverse() * result.T_query_reference;
       const bool near =
           moved.translation.norm() <= input.revisits.max_distance &&

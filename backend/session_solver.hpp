@@ -23,6 +23,7 @@ struct RevisitOptions {
   double max_angle_deg = 4.0;
   double min_predicted_overlap = 0.2;
   double min_overlap = 0.45;
+  double min_agreement = 0.48;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -39,6 +40,8 @@ struct RevisitOptions {
     field("min_overlap", self.min_overlap, Range{0.0, 1.0}, "",
           "volumetric overlap asked of them: no detector vouches for these pairs, so more than of "
           "its candidates");
+    field("min_agreement", self.min_agreement, Range{-1.0, 1.0}, "",
+          "agreement of tall structure asked of them; the solution itself is a witness");
   }
 };
 
