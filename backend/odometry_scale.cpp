@@ -21,11 +21,15 @@ namespace {
 // Closures this near along both ways may be false together, m: half a local map. Farther apart a
 // chain of true ones would count as one event.
 constexpr double kNeighbourDistance = 50.0;
-// Before any closure is seen, odometry is within a factor of e of its statement two times in three.
-constexpr double kLogScaleDeviation = 1.0;
-// Factors of sqrt(2) from a quarter to sixteen times.
-constexpr double kSmallest = 0.25;
-constexpr int kScales = 13;
+// Before any closure is seen: standard deviation of the logarithm of the scale, upward and
+// downward. Odometry can be far worse than stated where scenes are poor; that it is better takes
+// more than one closure that happens to agree, since trust is what true closures of another session
+// are judged by.
+constexpr double kLogScaleUpward = 1.0;
+constexpr double kLogScaleDownward = 0.35;
+// Factors of sqrt(2) from a half to sixteen times.
+constexpr double kSmallest = 0.5;
+constexpr int kScales = 11;
 
 double log_determinant(const Matrix6d& positive) {
   return positive.ldlt().vectorD().array().log().sum();
@@ -196,7 +200,8 @@ class Search {
     PoseGraph graph = condensed_.graph;
     scale_odometry(graph, std::exp(log_scale));
     const Evidence evidence(graph, ends_, options_.robust);
-    const double prior = 0.5 * log_scale * log_scale / (kLogScaleDeviation * kLogScaleDeviation);
+    const double deviation = log_scale > 0.0 ? kLogScaleUpward : kLogScaleDownward;
+    const double prior = 0.5 * log_scale * log_scale / (deviation * deviation);
     ScaleTrial trial = judged(graph, evidence, {});
     // Among a few closures, or where few disagree, the largest set is decided by chance.
     constexpr std::size_t kFew = 6;

@@ -56,8 +56,9 @@ class Drift : public ::testing::TestWithParam<std::tuple<double, int>> {};
 TEST_P(Drift, IsFoundAmongFalseClosures) {
   const auto [drift, kind] = GetParam();
   const Outcome outcome = solve(drift, kPlantings[kind], 8);
+  // Odometry is not believed to be better than half of what it states.
   EXPECT_GT(outcome.scale, drift / 1.5);
-  EXPECT_LT(outcome.scale, drift * 1.5);
+  EXPECT_LT(outcome.scale, std::max(0.51, drift * 1.5));
   EXPECT_LE(outcome.verdicts.true_rejected, 1);
   // Where odometry is lost by 25 m a lap, a group that agrees and is 5 to 20 m off cannot always be
   // told from the true closures around it.
