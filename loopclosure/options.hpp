@@ -57,7 +57,7 @@ struct DensityImageOptions {
 };
 
 struct FeatureOptions {
-  int max_features = 500;
+  int max_features = 1000;
   int fast_threshold = 25;
   int edge_px = 31;
   int patch_px = 31;
@@ -67,7 +67,8 @@ struct FeatureOptions {
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("max_features", self.max_features, Range{1, 10000}, "", "strongest corners kept");
+    field("max_features", self.max_features, Range{1, 10000}, "",
+          "strongest corners kept (the published system: 500; dense maps of 64 beams have more)");
     field("fast_threshold", self.fast_threshold, Range{1, 254}, "",
           "grey-level difference of a corner (the published system: 35)");
     field("edge_px", self.edge_px, Range{0, 200}, "px", "margin of the image without corners");

@@ -125,6 +125,7 @@ std::vector<Configuration> configurations() {
   LoopClosureOptions& paper = result[4].options;
   paper.density_image.count = "points";
   paper.features.fast_threshold = 35;
+  paper.features.max_features = 500;
   paper.features.border_px = 0;
   paper.matching.method = "tree";
   paper.consensus.method = "ransac";
