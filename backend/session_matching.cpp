@@ -53,6 +53,10 @@ PairMatches match_parts(const SessionPart& reference, MapStore& references,
                         const SessionMatchingOptions& options, LoopClosureTimes* times,
                         const Progress& progress) {
   PairMatches result{reference.name, query.name, reference.fingerprint, query.fingerprint, {}};
+  // Structure seen by another LiDAR, or years later, agrees less. Sessions are joined by closures
+  // that agree with each other over both odometries only: the second witness that few inliers lack.
+  VerificationOptions verification = options.verification;
+  verification.min_agreement = std::min(verification.min_agreement, verification.vouched_agreement);
   LoopDatabase database(options.loop_closure);
   for (MapDescription description : reference.descriptions) {
     description.key.session = 0;
@@ -66,7 +70,7 @@ PairMatches match_parts(const SessionPart& reference, MapStore& references,
       ClosureRecord closure =
           verify_candidate(candidate, queries, query.first_map + candidate.query.map, references,
                            reference.first_map + candidate.reference.map, options.closures,
-                           options.verification, options.registration);
+                           verification, options.registration);
       closure.reference_session = reference.name;
       closure.query_session = query.name;
       result.closures.push_back(std::move(closure));
