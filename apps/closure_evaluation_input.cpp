@@ -24,7 +24,7 @@ constexpr double kMaxRange = 100.0;  // m, as odometry crops scans
 
 Json read_manifest(const SessionFolder& session) {
   const fs::path file = session.file("manifest.json");
-  const Json manifest = Json::parse(read_text(file), nullptr, false);
+  Json manifest = Json::parse(read_text(file), nullptr, false);
   if (manifest.is_discarded() || !manifest.is_object()) {
     throw InputError(file.string() + ": no JSON object; run the recording again");
   }
