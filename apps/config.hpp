@@ -58,6 +58,7 @@ void for_each_section(Self& config, F&& f) {
   f("closures", config.slam.closures);
   f("registration", config.slam.registration);
   f("verification", config.slam.verification);
+  f("levelling", config.slam.levelling);
   f("odometry_information", config.slam.odometry_information);
   f("pose_graph", config.slam.pose_graph);
   f("revisits", config.slam.revisits);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -120,6 +121,13 @@ void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& e
   spdlog::info("pose graph: cost {:.6g} before, {:.6g} after, {} iterations ({})",
                result.solution.summary.cost_before, result.solution.summary.cost_after,
                result.solution.summary.iterations, result.solution.summary.termination);
+  if (const Levelling& levelling = result.solution.levelling; levelling.applied) {
+    spdlog::info(
+        "odometry levelled by the walls in {} local maps: bent by {:.2g} +- {:.1g} degrees "
+        "a kilometre",
+        levelling.maps, levelling.bend * 1000 * 180 / M_PI,
+        levelling.bend_deviation * 1000 * 180 / M_PI);
+  }
   spdlog::info("odometry errs {:.2g} times as much as stated, as far as the closures tell",
                result.solution.odometry_scale);
   if (evaluation) {

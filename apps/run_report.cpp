@@ -100,6 +100,14 @@ std::string make_run_report(const Recording& recording, const Config& config,
                  {"scans a second",
                   fixed(static_cast<double>(result.odometry.size()) / result.times.total, 1)},
                  {"peak memory", fixed(peak_memory_mb(), 0) + " MB"}};
+  if (const Levelling& levelling = result.solution.levelling; levelling.applied) {
+    // The sagitta of the bend over a kilometre.
+    input.facts.emplace_back(
+        "odometry levelled",
+        "by the walls in " + std::to_string(levelling.maps) + " local maps; bent by " +
+            fixed(levelling.bend * 500 * 500 / 2, 2) + " +- " +
+            fixed(levelling.bend_deviation * 500 * 500 / 2, 2) + " m at 500 m from the middle");
+  }
   for (const std::string& note : info.notes) input.facts.emplace_back("note", note);
   input.odometry = result.odometry;
   input.optimised = result.solution.trajectory;
@@ -124,6 +132,7 @@ std::string make_run_report(const Recording& recording, const Config& config,
                     {"matching", t.matching},
                     {"consensus", t.consensus},
                     {"verification", t.verification},
+                    {"levelling", t.levelling},
                     {"optimisation", t.optimisation},
                     {"map quality", t.map_quality},
                     {"map", t.map},

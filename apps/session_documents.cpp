@@ -134,6 +134,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                   {"matching", t.matching},
                   {"consensus", t.consensus},
                   {"verification", t.verification},
+                  {"levelling", t.levelling},
                   {"optimisation", t.optimisation},
                   {"map_quality", t.map_quality},
                   {"map", t.map},
@@ -145,6 +146,11 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                  {{"odometry_scale", result.solution.odometry_scale},
                   {"key_poses", summary_document(result.solution.key_summary)},
                   {"all_scans", summary_document(result.solution.summary)}}}};
+  const Levelling& levelling = result.solution.levelling;
+  document["levelling"] = {
+      {"applied", levelling.applied},       {"maps", levelling.maps},
+      {"bend_rad_per_m", levelling.bend},   {"bend_deviation_rad_per_m", levelling.bend_deviation},
+      {"walk_scale", levelling.walk_scale}, {"scatter_rad", levelling.scatter}};
   document["map_quality"] = quality_document(result.solution.map_quality);
   if (evaluation) {
     document["ape"] = {{"alignment", "se3"},

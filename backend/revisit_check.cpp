@@ -13,15 +13,14 @@ constexpr std::size_t kMinCells = 300;
 constexpr double kApart = 0.5;  // thickness of such a pair, m: that of a missing surface
 
 std::vector<std::pair<int, int>> revisits(std::span<const GroundFootprint> footprints,
-                                          const std::vector<Pose>& before,
-                                          const std::vector<Pose>& after, int limit) {
+                                          const RelativePoses& before, const RelativePoses& after,
+                                          int limit) {
   std::vector<std::pair<int, int>> all;
   const auto n = static_cast<int>(footprints.size());
   for (int query = 0; query < n; ++query) {
     for (int reference = 0; reference + kSkipped < query; ++reference) {
-      const auto shared = [&](const std::vector<Pose>& T_world_map) {
-        return footprint_overlap(footprints[reference], footprints[query],
-                                 T_world_map[query].inverse() * T_world_map[reference]);
+      const auto shared = [&](const RelativePoses& poses) {
+        return footprint_overlap(footprints[reference], footprints[query], poses(reference, query));
       };
       if (std::max(shared(before), shared(after)) >= kMinShared) all.emplace_back(reference, query);
     }
@@ -57,7 +56,7 @@ RevisitQuality mean(const Sum& sum, std::size_t pairs) {
 }  // namespace
 
 MapQuality compare_revisits(std::span<const GroundFootprint> footprints,
-                            const std::vector<Pose>& before, const std::vector<Pose>& after,
+                            const RelativePoses& before, const RelativePoses& after,
                             MapStore& store, const MapQualityOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   MapQuality result;
@@ -66,9 +65,8 @@ MapQuality compare_revisits(std::span<const GroundFootprint> footprints,
   for (const auto& [reference, query] : revisits(footprints, before, after, options.pairs)) {
     const std::shared_ptr<StoredMap> q = store.get(query);
     const std::shared_ptr<StoredMap> r = store.get(reference);
-    const auto quality = [&](const std::vector<Pose>& T_world_map) {
-      return revisit_quality(q->target(), q->points(), r->points(),
-                             T_world_map[query].inverse() * T_world_map[reference]);
+    const auto quality = [&](const RelativePoses& poses) {
+      return revisit_quality(q->target(), q->points(), r->points(), poses(reference, query));
     };
     const RevisitQuality b = quality(before);
     const RevisitQuality a = quality(after);

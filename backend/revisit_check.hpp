@@ -4,6 +4,7 @@
 // nothing by pulling places apart.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -43,11 +44,13 @@ struct MapQuality {
   double seconds = 0.0;
 };
 
-/// `before` and `after` are T_world_map of every map. Pairs are drawn evenly from those of which a
+/// T_query_reference of two maps, by their ids.
+using RelativePoses = std::function<Pose(int reference, int query)>;
+
+/// Pairs are drawn evenly from those of which a
 /// fifth of the smaller ground area is shared at one of the poses, in the maps' order.
 [[nodiscard]] MapQuality compare_revisits(std::span<const GroundFootprint> footprints,
-                                          const std::vector<Pose>& before,
-                                          const std::vector<Pose>& after, MapStore& store,
-                                          const MapQualityOptions& options);
+                                          const RelativePoses& before, const RelativePoses& after,
+                                          MapStore& store, const MapQualityOptions& options);
 
 }  // namespace groundloop

@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "backend/closure_anchor.hpp"
 #include "backend/ground_footprint.hpp"
 #include "backend/robust.hpp"
 
@@ -19,25 +20,69 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// A session while it is solved.
+struct Work {
+  const SolverInput& given;
+  const std::vector<LocalMapRecord>& maps;
+  MapStore& store;
+  const Trajectory& odometry;              // levelled
+  OdometryInformationOptions information;  // scaled
+  std::vector<GroundFootprint> footprints;
+
+  [[nodiscard]] ClosureAnchor anchor(int reference, int query,
+                                     const Pose& T_query_reference) const {
+    return anchor_closure(T_query_reference, maps[reference], given.odometry, maps[query],
+                          given.odometry);
+  }
+};
+
 bool participates(const ClosureRecord& closure) {
   return closure.status == ClosureStatus::accepted || closure.status == ClosureStatus::outlier;
 }
 
+// Vertices are map ids. Closures stand between the maps' origins as they are on the levelled
+// odometry.
+PoseGraph key_pose_graph(const Work& work, const std::vector<ClosureRecord>& closures) {
+  const std::vector<LocalMapRecord>& maps = work.maps;
+  PoseGraph graph;
+  for (const LocalMapRecord& map : maps) {
+    graph.vertices.push_back(
+        {map.map, work.odometry[map.first_scan].pose, map.map == maps.front().map});
+  }
+  std::vector<Pose> T_world_scan;
+  T_world_scan.reserve(work.odometry.size());
+  for (const StampedPose& sample : work.odometry) T_world_scan.push_back(sample.pose);
+  for (std::size_t m = 1; m < maps.size(); ++m) {
+    const RelativePose step = compose_odometry(T_world_scan, maps[m - 1].first_scan,
+                                               maps[m].first_scan, work.information);
+    Matrix6d information = step.covariance.inverse();
+    information = (0.5 * (information + information.transpose())).eval();
+    graph.edges.push_back(
+        {maps[m - 1].map, maps[m].map, step.T_from_to, information, EdgeKind::odometry});
+  }
+  for (const ClosureRecord& c : closures) {
+    if (!participates(c)) continue;
+    const Pose T_query_reference =
+        carried_to_origins(work.anchor(c.reference_map, c.query_map, c.T_query_reference),
+                           maps[c.reference_map], work.odometry, maps[c.query_map], work.odometry);
+    graph.edges.push_back(
+        {c.query_map, c.reference_map, T_query_reference, c.information, EdgeKind::closure});
+  }
+  return graph;
+}
+
 // Finds how much odometry errs, and calls inconsistent what the pairwise check leaves out.
-void find_odometry_scale(SolverInput& input, const std::vector<LocalMapRecord>& maps,
-                         std::vector<ClosureRecord>& closures, SessionSolution& solution,
-                         const Progress& progress) {
+void find_odometry_scale(Work& work, std::vector<ClosureRecord>& closures,
+                         SessionSolution& solution, const Progress& progress) {
   ScaleOptions options;
-  options.estimate = input.odometry_information.estimate_scale;
-  options.pairwise_consistency = input.pairwise_consistency;
-  options.robust.inlier_probability = input.optimizer.inlier_probability;
-  OdometryScale found = estimate_odometry_scale(
-      key_pose_graph(input.odometry, maps, closures, input.odometry_information), options,
-      progress);
+  options.estimate = work.information.estimate_scale;
+  options.pairwise_consistency = work.given.pairwise_consistency;
+  options.robust.inlier_probability = work.given.optimizer.inlier_probability;
+  OdometryScale found = estimate_odometry_scale(key_pose_graph(work, closures), options, progress);
   solution.odometry_scale = found.scale;
-  input.odometry_information = scaled(input.odometry_information, found.scale);
+  work.information = scaled(work.information, found.scale);
   if (found.trials.empty()) return;
-  std::size_t edge = maps.size() - 1;
+  std::size_t edge = work.maps.size() - 1;
   const std::vector<std::size_t>& inconsistent = found.trials[found.best].inconsistent;
   for (ClosureRecord& closure : closures) {
     if (!participates(closure)) continue;
@@ -49,12 +94,11 @@ void find_odometry_scale(SolverInput& input, const std::vector<LocalMapRecord>& 
 }
 
 // Solves the key-pose graph and hands each closure its verdict.
-OptimizationSummary judge(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
-                          std::vector<ClosureRecord>& closures, PoseGraph& graph,
+OptimizationSummary judge(const Work& work, std::vector<ClosureRecord>& closures, PoseGraph& graph,
                           const Progress& progress) {
-  graph = key_pose_graph(input.odometry, maps, closures, input.odometry_information);
-  const OptimizationSummary summary = optimize(graph, input.optimizer, progress);
-  std::size_t edge = maps.empty() ? 0 : maps.size() - 1;
+  graph = key_pose_graph(work, closures);
+  const OptimizationSummary summary = optimize(graph, work.given.optimizer, progress);
+  std::size_t edge = work.maps.empty() ? 0 : work.maps.size() - 1;
   for (ClosureRecord& closure : closures) {
     if (!participates(closure)) continue;
     closure.weight = graph.edges[edge].weight;
@@ -73,21 +117,21 @@ bool has_closure(const std::vector<ClosureRecord>& closures, int reference, int 
 
 // Tries pairs of maps that overlap in the solution and adds those that hold. Returns how many were
 // added.
-std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
-                         const std::vector<GroundFootprint>& footprints, MapStore& store,
+std::size_t add_revisits(const Work& work, const PoseGraph& graph,
                          std::vector<std::pair<int, int>>& tried,
                          std::vector<ClosureRecord>& closures, SessionSolution& solution,
                          const Progress& progress) {
   constexpr int kSkipped = 3;
   const std::string session = closures.empty() ? std::string() : closures.front().query_session;
   std::size_t added = 0;
-  const auto n = static_cast<int>(footprints.size());
+  const SolverInput& input = work.given;
+  const auto n = static_cast<int>(work.footprints.size());
   for (int query = 0; query < n; ++query) {
     for (int reference = 0; reference + kSkipped < query; ++reference) {
       if (has_closure(closures, reference, query)) continue;
       const Pose T_query_reference =
           graph.vertices[query].pose.inverse() * graph.vertices[reference].pose;
-      if (footprint_overlap(footprints[reference], footprints[query], T_query_reference) <
+      if (footprint_overlap(work.footprints[reference], work.footprints[query], T_query_reference) <
           input.revisits.min_predicted_overlap) {
         continue;
       }
@@ -96,7 +140,7 @@ std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
       tried.push_back(pair);
       ++solution.revisits_tried;
       if (progress) progress("revisits", solution.revisits_tried, 0);
-      const std::shared_ptr<StoredMap> q = store.get(query), r = store.get(reference);
+      const std::shared_ptr<StoredMap> q = work.store.get(query), r = work.store.get(reference);
       VerificationOptions limits = input.verification;
       limits.min_agreement = input.revisits.min_agreement;
       const ClosureVerification result = verify_closure(
@@ -128,12 +172,11 @@ std::size_t add_revisits(const SolverInput& input, const PoseGraph& graph,
 }
 
 // The graph of all scans, started from odometry that is bent to the key poses.
-OptimizationSummary solve_all_scans(const SolverInput& input,
-                                    const std::vector<LocalMapRecord>& maps,
-                                    const std::vector<ClosureRecord>& closures,
+OptimizationSummary solve_all_scans(const Work& work, const std::vector<ClosureRecord>& closures,
                                     const PoseGraph& key_graph, Trajectory& trajectory,
                                     const Progress& progress) {
-  const Trajectory& odometry = input.odometry;
+  const std::vector<LocalMapRecord>& maps = work.maps;
+  const Trajectory& odometry = work.odometry;
   PoseGraph graph;
   graph.vertices.reserve(odometry.size());
   graph.edges.reserve(odometry.size() + closures.size());
@@ -154,16 +197,21 @@ OptimizationSummary solve_all_scans(const SolverInput& input,
   for (std::size_t i = 1; i < odometry.size(); ++i) {
     const Pose step = odometry[i - 1].pose.inverse() * odometry[i].pose;
     graph.edges.push_back({static_cast<int>(i - 1), static_cast<int>(i), step,
-                           odometry_information(step, input.odometry_information),
-                           EdgeKind::odometry});
+                           odometry_information(step, work.information), EdgeKind::odometry});
   }
   for (const ClosureRecord& c : closures) {
     if (c.status != ClosureStatus::accepted) continue;
-    graph.edges.push_back({static_cast<int>(maps[c.query_map].first_scan),
-                           static_cast<int>(maps[c.reference_map].first_scan), c.T_query_reference,
-                           c.weight * c.information, EdgeKind::closure});
+    const ClosureAnchor anchor = work.anchor(c.reference_map, c.query_map, c.T_query_reference);
+    // Information of the origins' relative pose, perturbed at the reference's, moved to its scan.
+    const Matrix6d carry =
+        adjoint(work.given.odometry[maps[c.reference_map].first_scan].pose.inverse() *
+                work.given.odometry[anchor.reference_scan].pose);
+    graph.edges.push_back({static_cast<int>(anchor.query_scan),
+                           static_cast<int>(anchor.reference_scan), anchor.T_query_reference,
+                           c.weight * carry.transpose() * c.information * carry,
+                           EdgeKind::closure});
   }
-  OptimizerOptions options = input.optimizer;
+  OptimizerOptions options = work.given.optimizer;
   options.robust = false;  // the key-pose graph has judged
   options.initialisation = "guess";
   const OptimizationSummary summary = optimize(graph, options, progress);
@@ -173,58 +221,37 @@ OptimizationSummary solve_all_scans(const SolverInput& input,
   return summary;
 }
 
-}  // namespace
-
-PoseGraph key_pose_graph(const Trajectory& odometry, const std::vector<LocalMapRecord>& maps,
-                         const std::vector<ClosureRecord>& closures,
-                         const OdometryInformationOptions& options) {
-  PoseGraph graph;
-  for (const LocalMapRecord& map : maps) {
-    graph.vertices.push_back({map.map, odometry[map.first_scan].pose, map.map == maps.front().map});
-  }
-  std::vector<Pose> T_world_scan;
-  T_world_scan.reserve(odometry.size());
-  for (const StampedPose& sample : odometry) T_world_scan.push_back(sample.pose);
-  for (std::size_t m = 1; m < maps.size(); ++m) {
-    const RelativePose step =
-        compose_odometry(T_world_scan, maps[m - 1].first_scan, maps[m].first_scan, options);
-    Matrix6d information = step.covariance.inverse();
-    information = (0.5 * (information + information.transpose())).eval();
-    graph.edges.push_back(
-        {maps[m - 1].map, maps[m].map, step.T_from_to, information, EdgeKind::odometry});
-  }
-  for (const ClosureRecord& c : closures) {
-    if (!participates(c)) continue;
-    graph.edges.push_back(
-        {c.query_map, c.reference_map, c.T_query_reference, c.information, EdgeKind::closure});
-  }
-  return graph;
-}
-
-namespace {
-
-std::vector<GroundFootprint> footprints_of(const std::vector<LocalMapRecord>& maps,
-                                           MapStore& store) {
+std::vector<GroundFootprint> footprints_of(const Work& work) {
   std::vector<GroundFootprint> footprints;
-  for (const LocalMapRecord& map : maps)
-    footprints.push_back(ground_footprint(store.get(map.map)->points()));
+  for (const LocalMapRecord& map : work.maps)
+    footprints.push_back(ground_footprint(work.store.get(map.map)->points()));
   return footprints;
 }
 
+// The odometry, upright.
+Levelling level(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
+                MapStore& store) {
+  std::vector<MapVertical> verticals(maps.size());
+  if (input.levelling.enabled) {
+    for (std::size_t m = 0; m < maps.size(); ++m)
+      verticals[m] = find_vertical(store.get(maps[m].map)->points());
+  }
+  return level_odometry(input.odometry, maps, verticals, input.odometry_information,
+                        input.levelling);
+}
+
 // Adds closures that the solution reveals, and solves again, until nothing is gained.
-void revisit(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
-             const std::vector<GroundFootprint>& footprints, MapStore& store,
-             std::vector<ClosureRecord>& closures, SessionSolution& solution,
+void revisit(const Work& work, std::vector<ClosureRecord>& closures, SessionSolution& solution,
              const Progress& progress) {
   std::vector<std::pair<int, int>> tried;
-  for (int round = 0; round < input.revisits.max_rounds; ++round) {
+  for (int round = 0; round < work.given.revisits.max_rounds; ++round) {
     auto start = Clock::now();
-    const std::size_t added = add_revisits(input, solution.key_graph, footprints, store, tried,
-                                           closures, solution, progress);
+    const std::size_t added =
+        add_revisits(work, solution.key_graph, tried, closures, solution, progress);
     solution.verification_seconds += seconds_since(start);
     if (added == 0) break;
     start = Clock::now();
-    solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
+    solution.key_summary = judge(work, closures, solution.key_graph, progress);
     solution.optimisation_seconds += seconds_since(start);
   }
   solution.revisits_accepted = static_cast<std::size_t>(
@@ -234,31 +261,42 @@ void revisit(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
 }
 
 // The graph of all scans, and the maps' poses in it.
-void finish(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
-            const std::vector<ClosureRecord>& closures, SessionSolution& solution,
+void finish(const Work& work, const std::vector<ClosureRecord>& closures, SessionSolution& solution,
             const Progress& progress) {
   const auto start = Clock::now();
   solution.summary =
-      solve_all_scans(input, maps, closures, solution.key_graph, solution.trajectory, progress);
+      solve_all_scans(work, closures, solution.key_graph, solution.trajectory, progress);
   solution.T_world_map.clear();
-  for (const LocalMapRecord& map : maps)
+  for (const LocalMapRecord& map : work.maps)
     solution.T_world_map.push_back(solution.trajectory[map.first_scan].pose);
   solution.optimisation_seconds += seconds_since(start);
 }
 
 // Compares with odometry where places were seen twice; a solution that is worse gives up its
 // closures, unless asked to stay.
-void check_quality(const SolverInput& input, const std::vector<LocalMapRecord>& maps,
-                   const std::vector<GroundFootprint>& footprints, MapStore& store,
-                   std::vector<ClosureRecord>& closures, SessionSolution& solution,
-                   const Progress& progress) {
-  std::vector<Pose> before;
-  for (const LocalMapRecord& map : maps) before.push_back(input.odometry[map.first_scan].pose);
+void check_quality(const Work& work, std::vector<ClosureRecord>& closures,
+                   SessionSolution& solution, const Progress& progress) {
+  const std::vector<LocalMapRecord>& maps = work.maps;
+  const auto by_odometry = [&](int reference, int query) {
+    return work.given.odometry[maps[query].first_scan].pose.inverse() *
+           work.given.odometry[maps[reference].first_scan].pose;
+  };
+  // The maps are as odometry built them; where they meet, the solution says how they lie.
+  const auto solved = [&](int reference, int query) {
+    const Pose guess = solution.T_world_map[query].inverse() * solution.T_world_map[reference];
+    const float reach = work.footprints[reference].radius + work.footprints[query].radius;
+    if (guess.translation.norm() > static_cast<double>(reach)) return guess;
+    ClosureAnchor anchor = work.anchor(reference, query, guess);
+    anchor.T_query_reference = solution.trajectory[anchor.query_scan].pose.inverse() *
+                               solution.trajectory[anchor.reference_scan].pose;
+    return carried_to_origins(anchor, maps[reference], work.given.odometry, maps[query],
+                              work.given.odometry);
+  };
   solution.map_quality =
-      compare_revisits(footprints, before, solution.T_world_map, store, input.map_quality);
+      compare_revisits(work.footprints, by_odometry, solved, work.store, work.given.map_quality);
   MapQuality& quality = solution.map_quality;
   if (!quality.worse) return;
-  quality.given_up = !input.map_quality.keep_worse;
+  quality.given_up = !work.given.map_quality.keep_worse;
   spdlog::warn(
       "the map at revisits is worse after closing loops: surfaces {:.3f} m apart, {:.3f} m by "
       "odometry; {}",
@@ -272,8 +310,8 @@ void check_quality(const SolverInput& input, const std::vector<LocalMapRecord>& 
   }
   std::vector<ClosureRecord> none;
   solution.revisits_accepted = 0;
-  solution.key_summary = judge(input, maps, none, solution.key_graph, progress);
-  finish(input, maps, none, solution, progress);
+  solution.key_summary = judge(work, none, solution.key_graph, progress);
+  finish(work, none, solution, progress);
 }
 
 }  // namespace
@@ -283,24 +321,24 @@ SessionSolution solve_session(const SolverInput& given, const std::vector<LocalM
                               const Progress& progress) {
   SessionSolution solution;
   auto start = Clock::now();
-  SolverInput input = given;
-  if (input.optimizer.robust) find_odometry_scale(input, maps, closures, solution, progress);
-  solution.key_summary = judge(input, maps, closures, solution.key_graph, progress);
+  solution.levelling = level(given, maps, store);
+  solution.levelling_seconds = seconds_since(start);
+  start = Clock::now();
+  Work work{given, maps, store, solution.levelling.odometry, given.odometry_information, {}};
+  if (given.optimizer.robust) find_odometry_scale(work, closures, solution, progress);
+  solution.key_summary = judge(work, closures, solution.key_graph, progress);
   solution.optimisation_seconds += seconds_since(start);
   const bool connected = std::any_of(closures.begin(), closures.end(), [](const ClosureRecord& c) {
     return c.status == ClosureStatus::accepted;
   });
-  std::vector<GroundFootprint> footprints;
-  if (connected && (input.revisits.enabled || input.map_quality.pairs > 0)) {
+  if (connected && (given.revisits.enabled || given.map_quality.pairs > 0)) {
     start = Clock::now();
-    footprints = footprints_of(maps, store);
+    work.footprints = footprints_of(work);
     solution.verification_seconds += seconds_since(start);
   }
-  if (connected && input.revisits.enabled)
-    revisit(input, maps, footprints, store, closures, solution, progress);
-  finish(input, maps, closures, solution, progress);
-  if (connected && input.map_quality.pairs > 0)
-    check_quality(input, maps, footprints, store, closures, solution, progress);
+  if (connected && given.revisits.enabled) revisit(work, closures, solution, progress);
+  finish(work, closures, solution, progress);
+  if (connected && given.map_quality.pairs > 0) check_quality(work, closures, solution, progress);
   return solution;
 }
 

@@ -1,11 +1,13 @@
-// From odometry and closures to the optimised trajectory of one session: the graph of key poses
-// (one a local map) decides which closures hold, registration adds those that the solution reveals,
-// and the graph of all scans spreads the correction.
+// From odometry and closures to the optimised trajectory of one session: odometry is levelled by
+// what stands upright, the graph of key poses (one a local map) decides which closures hold,
+// registration adds those that the solution reveals, and the graph of all scans spreads the
+// correction.
 #pragma once
 
 #include <vector>
 
 #include "backend/closure_finder.hpp"
+#include "backend/levelling.hpp"
 #include "backend/odometry_information.hpp"
 #include "backend/odometry_scale.hpp"
 #include "backend/optimizer.hpp"
@@ -46,7 +48,8 @@ struct RevisitOptions {
 };
 
 struct SolverInput {
-  const Trajectory& odometry;
+  const Trajectory& odometry;  ///< that the local maps were built from
+  LevellingOptions levelling;
   OdometryInformationOptions odometry_information;
   OptimizerOptions optimizer;
   RevisitOptions revisits;
@@ -60,6 +63,7 @@ struct SessionSolution {
   Trajectory trajectory;            ///< one pose a scan, optimised
   std::vector<Pose> T_world_map;    ///< one a local map, equal to its first scan's
   PoseGraph key_graph;              ///< as solved
+  Levelling levelling;              ///< of the odometry, before closures
   OptimizationSummary key_summary;  ///< of the key-pose graph
   OptimizationSummary summary;      ///< of the graph of all scans
   std::size_t revisits_tried = 0;
@@ -69,20 +73,16 @@ struct SessionSolution {
   std::vector<ScaleTrial> scale_trials;
   double optimisation_seconds = 0.0;
   double verification_seconds = 0.0;
+  double levelling_seconds = 0.0;
 };
 
+/// The key-pose graph of the solution has map ids as vertices, levelled odometry between successive
+/// maps, and the accepted closures as `EDGE query reference`, carried to the levelled odometry.
 /// Solves, and gives every closure its final status and weight; closures found on the way are added
 /// to `closures`.
 [[nodiscard]] SessionSolution solve_session(const SolverInput& input,
                                             const std::vector<LocalMapRecord>& maps,
                                             MapStore& store, std::vector<ClosureRecord>& closures,
                                             const Progress& progress);
-
-/// The key-pose graph: vertices are map ids, odometry between successive maps, and the accepted
-/// closures as `EDGE query reference`.
-[[nodiscard]] PoseGraph key_pose_graph(const Trajectory& odometry,
-                                       const std::vector<LocalMapRecord>& maps,
-                                       const std::vector<ClosureRecord>& closures,
-                                       const OdometryInformationOptions& options);
 
 }  // namespace groundloop

@@ -111,12 +111,13 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
   plant_false_closures(options.planted_closures, result.odometry, result.maps, result.closures);
-  const SolverInput input{result.odometry,      options.odometry_information,
-                          options.pose_graph,   options.revisits,
-                          options.map_quality,  options.verification,
-                          options.registration, options.closures.pairwise_consistency};
+  const SolverInput input{
+      result.odometry,      options.levelling,    options.odometry_information,
+      options.pose_graph,   options.revisits,     options.map_quality,
+      options.verification, options.registration, options.closures.pairwise_consistency};
   result.solution =
       solve_session(input, result.maps, state.finder.store(), result.closures, progress);
+  result.times.levelling = result.solution.levelling_seconds;
   result.times.optimisation = result.solution.optimisation_seconds;
   result.times.verification += result.solution.verification_seconds;
   result.times.map_quality = result.solution.map_quality.seconds;

@@ -33,6 +33,7 @@ struct SlamOptions {
   ClosureOptions closures;
   VerificationOptions verification;
   RegistrationOptions registration;
+  LevellingOptions levelling;
   OdometryInformationOptions odometry_information;
   OptimizerOptions pose_graph = robust_optimizer();  ///< closures of a recording are to be judged
   RevisitOptions revisits;
@@ -43,8 +44,8 @@ struct SlamOptions {
 /// Busy seconds by stage, and the clock.
 struct StageTimes {
   double read = 0, odometry = 0, local_maps = 0, ground_alignment = 0, density_image = 0,
-         features = 0, matching = 0, consensus = 0, verification = 0, optimisation = 0,
-         map_quality = 0, map = 0, total = 0;
+         features = 0, matching = 0, consensus = 0, verification = 0, levelling = 0,
+         optimisation = 0, map_quality = 0, map = 0, total = 0;
 };
 
 struct SlamResult {

@@ -32,7 +32,11 @@ class RevisitCheck : public ::testing::Test {
 
   [[nodiscard]] MapQuality compare(const std::vector<Pose>& before, const std::vector<Pose>& after,
                                    const MapQualityOptions& options = {}) {
-    return compare_revisits(footprints_, before, after, store_, options);
+    const auto between = [](const std::vector<Pose>& poses) -> RelativePoses {
+      return
+          [&poses](int reference, int query) { return poses[query].inverse() * poses[reference]; };
+    };
+    return compare_revisits(footprints_, between(before), between(after), store_, options);
   }
   [[nodiscard]] std::vector<Pose> last_at(double x, double y) const {
     std::vector<Pose> poses = true_poses_;

@@ -64,6 +64,7 @@ struct Study {
     OdometryInformationOptions drift = config.slam.odometry_information;
     drift.estimate_scale = drift.estimate_scale && robust;
     const SolverInput input{part.odometry,
+                            config.slam.levelling,
                             drift,
                             optimizer,
                             more,
@@ -98,6 +99,19 @@ struct Study {
     std::printf("| %s | %d | %d | %.3f | %.2f | %.1f | %.1f |\n", name, accepted, wrong, ape,
                 solution.odometry_scale, counted > 0 ? sum / counted : 0.0, statistics(all).median);
     if (list) {
+      const Levelling& l = solution.levelling;
+      std::printf(
+          "  levelled by %zu maps: bend %.2e +- %.1e rad/m, walk %.2f of the stated, scatter %.2f "
+          "deg; %.2f s\n",
+          l.maps, l.bend, l.bend_deviation, l.walk_scale, l.scatter * 180.0 / M_PI,
+          solution.levelling_seconds);
+      if (!truth.empty()) {
+        const TrajectoryEvaluation e = evaluate_trajectory(solution.trajectory, truth);
+        const TrajectoryEvaluation o = evaluate_trajectory(l.odometry, truth);
+        std::printf("  along x y z: %.3f %.3f %.3f m; levelled odometry %.3f m (%.3f %.3f %.3f)\n",
+                    e.ape_x_m.rmse, e.ape_y_m.rmse, e.ape_z_m.rmse, o.ape.translation_m.rmse,
+                    o.ape_x_m.rmse, o.ape_y_m.rmse, o.ape_z_m.rmse);
+      }
       const MapQuality& quality = solution.map_quality;
       std::printf("  %zu revisits: %.3f m apart by odometry, %.3f m in the solution; %.2f s%s\n",
                   quality.pairs, quality.before.plane_thickness, quality.after.plane_thickness,
