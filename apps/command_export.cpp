@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -33,9 +34,43 @@ struct Pieces {
   std::vector<std::string> apart;  // recordings in frames of their own, which the map cannot hold
 };
 
+// How the local maps of a session lie: bent as its trajectory says, or, where a session holds no
+// trajectories, each at its one pose.
+class Layout {
+ public:
+  Layout(const SessionFolder& session, const std::vector<LocalMapRecord>& maps)
+      : session_(session) {
+    const fs::path odometry = session.file("odometry.tum");
+    const fs::path trajectory = session.file("trajectory.tum");
+    if (!fs::exists(odometry) || !fs::exists(trajectory)) return;
+    odometry_ = read_tum(odometry);
+    trajectory_ = read_tum(trajectory);
+    for (const LocalMapRecord& map : maps) {
+      if (map.first_scan <= map.last_scan &&
+          map.last_scan < std::min(odometry_.size(), trajectory_.size()))
+        continue;
+      throw InputError(session.file("local_maps.csv").string() + ": map " +
+                       std::to_string(map.map) +
+                       " holds scans that odometry.tum or trajectory.tum do not; make the session "
+                       "again");
+    }
+  }
+
+  [[nodiscard]] MapPiece piece(const LocalMapRecord& map, std::uint16_t recording) const {
+    const fs::path file = session_.local_map(map.map);
+    if (trajectory_.empty()) return rigid_piece(file, map.T_world_map, recording);
+    return bent_piece(file, map, odometry_, trajectory_, recording);
+  }
+
+ private:
+  const SessionFolder& session_;
+  Trajectory odometry_, trajectory_;
+};
+
 Pieces pieces_of(const SessionFolder& session) {
   Pieces result;
   const std::vector<LocalMapRecord> maps = read_local_maps(session.file("local_maps.csv"));
+  const Layout layout(session, maps);
   nlohmann::json parts;
   const fs::path manifest = session.file("manifest.json");
   if (fs::exists(manifest)) {
@@ -46,8 +81,7 @@ Pieces pieces_of(const SessionFolder& session) {
     }
   }
   if (!parts.is_array() || parts.empty()) {
-    for (const LocalMapRecord& map : maps)
-      result.pieces.push_back({session.local_map(map.map), map.T_world_map, 0});
+    for (const LocalMapRecord& map : maps) result.pieces.push_back(layout.piece(map, 0));
     return result;
   }
   result.sessions = parts.size();
@@ -61,8 +95,7 @@ Pieces pieces_of(const SessionFolder& session) {
       const int last = first + parts[p].at("local_maps").get<int>();
       for (const LocalMapRecord& map : maps) {
         if (map.map < first || map.map >= last) continue;
-        result.pieces.push_back(
-            {session.local_map(map.map), map.T_world_map, static_cast<std::uint16_t>(p)});
+        result.pieces.push_back(layout.piece(map, static_cast<std::uint16_t>(p)));
       }
     }
   } catch (const nlohmann::json::exception&) {

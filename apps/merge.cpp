@@ -154,8 +154,8 @@ void write_map(const SessionFolder& out, const MergeResult& result, const MapSec
     const MergedPart& part = result.parts[p];
     if (part.frame != result.parts.front().frame) continue;
     for (const LocalMapRecord& map : part.maps) {
-      pieces.push_back({out.local_map(part.first_map + map.map), map.T_world_map,
-                        static_cast<std::uint16_t>(p)});
+      pieces.push_back(bent_piece(out.local_map(part.first_map + map.map), map, part.odometry,
+                                  part.trajectory, static_cast<std::uint16_t>(p)));
     }
   }
   const auto writer = open_point_cloud_writer(out.file("map.pcd"), true);

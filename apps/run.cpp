@@ -96,7 +96,8 @@ void write_map(const SessionFolder& folder, const SlamResult& result, double vox
                const Progress& progress) {
   std::vector<MapPiece> pieces;
   for (const LocalMapRecord& map : result.maps)
-    pieces.push_back({folder.local_map(map.map), map.T_world_map, 0});
+    pieces.push_back(
+        bent_piece(folder.local_map(map.map), map, result.odometry, result.solution.trajectory));
   MapAssemblyOptions options;
   options.voxel_size = voxel_size;
   const std::unique_ptr<PointCloudWriter> writer =

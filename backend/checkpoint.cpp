@@ -112,6 +112,7 @@ void Checkpoint::load(Odometry& odometry, LocalMapBuilder& builder, ClosureFinde
   std::vector<StoredClosure> stored;
   get_all(in, stored);
   std::vector<ClosureRecord> closures;
+  closures.reserve(stored.size());
   for (const StoredClosure& s : stored) closures.push_back(restore(s, SessionFolder::kOwnName));
   finder.restore(LoopDatabase::load(folder_.file(kDatabase), options), std::move(maps),
                  std::move(closures));

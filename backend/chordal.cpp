@@ -111,6 +111,7 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
 bool initialise_chordal(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
                         const std::vector<char>& fixed) {
   const std::size_t n = graph.vertices.size();
+  if (n == 0) return true;
   std::vector<Matrix3d> rotation(n);
   for (std::size_t i = 0; i < n; ++i) rotation[i] = graph.vertices[i].pose.rotation_matrix();
 

@@ -86,11 +86,46 @@ double tile_edge(const MapAssemblyOptions& options) {
   return options.voxel_size * std::max(1.0, std::round(options.tile_size / options.voxel_size));
 }
 
+// Looks placements up by the cell a point lies in, so that they are searched once a cell.
+class Placements {
+ public:
+  explicit Placements(const MapPiece& piece) : placements_(piece.placements) {}
+
+  [[nodiscard]] Eigen::Vector3d in_world(const Eigen::Vector3f& point) {
+    return placement(point).T_world_map * Eigen::Vector3d(point.cast<double>());
+  }
+
+ private:
+  static constexpr float kCell = 2.0F;  // m
+
+  [[nodiscard]] const ScanPlacement& placement(const Eigen::Vector3f& point) {
+    if (placements_.size() == 1 || !has_voxel(point)) return placements_.front();
+    const Eigen::Vector3i cell = voxel_of(point, 1.0F / kCell);
+    const auto next = static_cast<std::uint32_t>(nearest_.size());
+    const std::uint32_t number = cells_.find_or_insert(voxel_key(cell), next);
+    if (number == next) {
+      const Eigen::Vector3f centre = (cell.cast<float>().array() + 0.5F).matrix() * kCell;
+      const auto nearest = std::min_element(placements_.begin(), placements_.end(),
+                                            [&](const ScanPlacement& a, const ScanPlacement& b) {
+                                              return (a.place - centre).squaredNorm() <
+                                                     (b.place - centre).squaredNorm();
+                                            });
+      nearest_.push_back(static_cast<std::uint32_t>(nearest - placements_.begin()));
+    }
+    return placements_[nearest_[number]];
+  }
+
+  const std::vector<ScanPlacement>& placements_;
+  VoxelTable cells_;
+  std::vector<std::uint32_t> nearest_;
+};
+
 void sort_into_tiles(const MapPiece& piece, double edge, TileFile& file) {
   std::map<TileKey, std::vector<TilePoint>> tiles;
+  Placements placements(piece);
   for (const Eigen::Vector3f& point : read_pcd(piece.file)) {
     if (!point.allFinite()) continue;
-    const Eigen::Vector3d world = piece.T_world_map * Eigen::Vector3d(point.cast<double>());
+    const Eigen::Vector3d world = placements.in_world(point);
     const double x = std::floor(world.x() / edge);
     const double y = std::floor(world.y() / edge);
     if (!(std::abs(x) < 1e9 && std::abs(y) < 1e9)) continue;
@@ -136,10 +171,10 @@ std::uint64_t assemble_all_points(const std::vector<MapPiece>& pieces, PointClou
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     report(progress, i, pieces.size());
     std::vector<ExportPoint> points;
+    Placements placements(pieces[i]);
     for (const Eigen::Vector3f& point : read_pcd(pieces[i].file)) {
       if (!point.allFinite()) continue;
-      points.push_back(
-          {pieces[i].T_world_map * Eigen::Vector3d(point.cast<double>()), pieces[i].session});
+      points.push_back({placements.in_world(point), pieces[i].session});
     }
     writer.write(points);
   }
@@ -148,6 +183,25 @@ std::uint64_t assemble_all_points(const std::vector<MapPiece>& pieces, PointClou
 }
 
 }  // namespace
+
+MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
+                     std::uint16_t session) {
+  return {file, {{Eigen::Vector3f::Zero(), T_world_map}}, session};
+}
+
+MapPiece bent_piece(const std::filesystem::path& file, const LocalMapRecord& map,
+                    const Trajectory& odometry, const Trajectory& trajectory,
+                    std::uint16_t session) {
+  constexpr float kApart = 1.0F;  // m; scans in between say nothing new
+  MapPiece piece{file, {}, session};
+  for (std::size_t i = map.first_scan; i <= map.last_scan; ++i) {
+    const Pose T_map_scan = odometry[map.first_scan].pose.inverse() * odometry[i].pose;
+    const Eigen::Vector3f place = T_map_scan.translation.cast<float>();
+    if (i > map.first_scan && (place - piece.placements.back().place).norm() < kApart) continue;
+    piece.placements.push_back({place, trajectory[i].pose * T_map_scan.inverse()});
+  }
+  return piece;
+}
 
 std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssemblyOptions& options,
                            PointCloudWriter& writer, const std::filesystem::path& folder,

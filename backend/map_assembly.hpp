@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "backend/point_cloud_export.hpp"
+#include "backend/session.hpp"
 #include "frontend/core/options.hpp"
 #include "frontend/core/pose.hpp"
 #include "frontend/core/progress.hpp"
+#include "frontend/core/trajectory.hpp"
 
 namespace groundloop {
 
@@ -28,12 +30,27 @@ struct MapAssemblyOptions {
   }
 };
 
-/// A local map as a session keeps it.
+/// Where a scan stood in its local map, and where the map lies as this scan has it.
+struct ScanPlacement {
+  Eigen::Vector3f place;  ///< m, in the map's frame
+  Pose T_world_map;
+};
+
+/// A local map as a session keeps it. Its points were put together by odometry; what the solution
+/// made of odometry inside the map reaches them by the scan that stood nearest.
 struct MapPiece {
   std::filesystem::path file;  ///< written by write_pcd
-  Pose T_world_map;
+  std::vector<ScanPlacement> placements;
   std::uint16_t session = 0;
 };
+
+/// The whole map at one pose.
+[[nodiscard]] MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
+                                   std::uint16_t session = 0);
+/// The map built from `odometry`, following `trajectory` (one pose a scan in both).
+[[nodiscard]] MapPiece bent_piece(const std::filesystem::path& file, const LocalMapRecord& map,
+                                  const Trajectory& odometry, const Trajectory& trajectory,
+                                  std::uint16_t session = 0);
 
 /// Writes the map to `writer` (finish() is the caller's) and returns its number of points. The
 /// order is that of the tiles, not of the maps. `folder` takes the temporary file.

@@ -61,13 +61,13 @@ OdometryChain::OdometryChain(std::span<const Pose> T_world_scan,
   for (std::size_t i = 0; i < T_world_scan.size(); ++i) {
     T_first_scan_.push_back(T_world_scan.front().inverse() * T_world_scan[i]);
     if (i == 0) {
-      covariance_.push_back(Matrix6d::Zero());
+      covariance_.emplace_back(Matrix6d::Zero());
       continue;
     }
     const Pose step = T_world_scan[i - 1].inverse() * T_world_scan[i];
     const Matrix6d carry = adjoint(T_first_scan_.back());
-    covariance_.push_back(covariance_.back() +
-                          carry * odometry_covariance(step, options) * carry.transpose());
+    covariance_.emplace_back(covariance_.back() +
+                             carry * odometry_covariance(step, options) * carry.transpose());
   }
 }
 

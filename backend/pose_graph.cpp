@@ -143,7 +143,7 @@ Vector6d between_residual(const Pose& T_world_from, const Pose& T_world_to, cons
 Vector6d between_residual(const Pose& T_world_from, const Pose& T_world_to, const Pose& T_from_to,
                           Matrix6d& J_from, Matrix6d& J_to) {
   const Pose T_from_to_now = T_world_from.inverse() * T_world_to;
-  const Vector6d r = log_se3(T_from_to.inverse() * T_from_to_now);
+  Vector6d r = log_se3(T_from_to.inverse() * T_from_to_now);
   // T_from exp(d) gives Z^-1 exp(-d) T_from^-1 T_to = (Z^-1 T_from^-1 T_to) exp(-Ad(T_to^-1 T_from)
   // d).
   J_to = right_jacobian_inverse_se3(r);

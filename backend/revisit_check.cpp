@@ -62,7 +62,9 @@ MapQuality compare_revisits(std::span<const GroundFootprint> footprints,
   MapQuality result;
   Sum sum_before;
   Sum sum_after;
-  for (const auto& [reference, query] : revisits(footprints, before, after, options.pairs)) {
+  for (const auto& pair : revisits(footprints, before, after, options.pairs)) {
+    const int reference = pair.first;
+    const int query = pair.second;
     const std::shared_ptr<StoredMap> q = store.get(query);
     const std::shared_ptr<StoredMap> r = store.get(reference);
     const auto quality = [&](const RelativePoses& poses) {

@@ -118,7 +118,7 @@ OptimizationSummary judge(JointProblem& problem, std::size_t own_edges,
     problem.graph.edges.push_back(problem.edge_of(c));
     judged.push_back(&c);
   }
-  const OptimizationSummary summary = problem.solve(problem.graph, joined, true, progress);
+  OptimizationSummary summary = problem.solve(problem.graph, joined, true, progress);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const GraphEdge& edge = problem.graph.edges[own_edges + k];
     judged[k]->weight = edge.weight;

@@ -97,7 +97,7 @@ void find_odometry_scale(Work& work, std::vector<ClosureRecord>& closures,
 OptimizationSummary judge(const Work& work, std::vector<ClosureRecord>& closures, PoseGraph& graph,
                           const Progress& progress) {
   graph = key_pose_graph(work, closures);
-  const OptimizationSummary summary = optimize(graph, work.given.optimizer, progress);
+  OptimizationSummary summary = optimize(graph, work.given.optimizer, progress);
   std::size_t edge = work.maps.empty() ? 0 : work.maps.size() - 1;
   for (ClosureRecord& closure : closures) {
     if (!participates(closure)) continue;
@@ -214,7 +214,7 @@ OptimizationSummary solve_all_scans(const Work& work, const std::vector<ClosureR
   OptimizerOptions options = work.given.optimizer;
   options.robust = false;  // the key-pose graph has judged
   options.initialisation = "guess";
-  const OptimizationSummary summary = optimize(graph, options, progress);
+  OptimizationSummary summary = optimize(graph, options, progress);
   trajectory.resize(odometry.size());
   for (std::size_t i = 0; i < odometry.size(); ++i)
     trajectory[i] = {odometry[i].stamp, graph.vertices[i].pose};
@@ -223,6 +223,7 @@ OptimizationSummary solve_all_scans(const Work& work, const std::vector<ClosureR
 
 std::vector<GroundFootprint> footprints_of(const Work& work) {
   std::vector<GroundFootprint> footprints;
+  footprints.reserve(work.maps.size());
   for (const LocalMapRecord& map : work.maps)
     footprints.push_back(ground_footprint(work.store.get(map.map)->points()));
   return footprints;
@@ -267,6 +268,7 @@ void finish(const Work& work, const std::vector<ClosureRecord>& closures, Sessio
   solution.summary =
       solve_all_scans(work, closures, solution.key_graph, solution.trajectory, progress);
   solution.T_world_map.clear();
+  solution.T_world_map.reserve(work.maps.size());
   for (const LocalMapRecord& map : work.maps)
     solution.T_world_map.push_back(solution.trajectory[map.first_scan].pose);
   solution.optimisation_seconds += seconds_since(start);

@@ -131,7 +131,7 @@ SessionPart make_part(const SessionFolder& folder, const PartSpan& span, const T
   part.odometry = slice(odometry, span);
   part.trajectory = slice(trajectory, span);
   for (int m = 0; m < span.maps; ++m) {
-    LocalMapRecord map = maps[static_cast<std::size_t>(span.first_map + m)];
+    LocalMapRecord map = maps[span.first_map + m];
     if (map.map != span.first_map + m || map.first_scan < span.first_scan)
       fail(folder.file("local_maps.csv"), "maps are not numbered in order");
     map.map = m;

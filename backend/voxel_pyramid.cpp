@@ -96,7 +96,7 @@ VoxelPyramid::VoxelPyramid(const Points& points, double voxel_size, int levels, 
     VoxelLevel level;
     level.voxel_size = static_cast<float>(voxel_size * std::pow(2.0, i));
     level.means.reserve(cells.moments.size());
-    for (const CellMoments& m : cells.moments) level.means.push_back(m.mean().cast<float>());
+    for (const CellMoments& m : cells.moments) level.means.emplace_back(m.mean().cast<float>());
     if (planes) fit_planes(cells, i == 0, level);
     level.index = cells.index;
     levels_.push_back(std::move(level));

@@ -29,7 +29,7 @@ const MaterialProperties& properties(Material material) {
 }
 
 std::uint32_t Mesh::vertex(const Vec3& p) {
-  vertices.push_back((p - origin).cast<float>());
+  vertices.emplace_back((p - origin).cast<float>());
   return static_cast<std::uint32_t>(vertices.size() - 1);
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
+#include <type_traits>
 
 #include <embree3/rtcore.h>
 #include <tbb/global_control.h>
@@ -15,35 +17,27 @@
 namespace groundloop::simulation {
 namespace {
 
+struct ReleaseScene {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+
 /// A mesh as a scene of its own, and what Embree does not keep of it.
 struct Solid {
-  RTCScene scene = nullptr;
+  SceneHandle scene;
   Vec3 origin = Vec3::Zero();
   std::vector<Material> materials;
   Eigen::AlignedBox2d bounds;  ///< on the ground, in the world (chunks only)
   std::uint64_t key = 0;
   bool moving = false;
-
-  Solid() = default;
-  Solid(Solid&& other) noexcept
-      : scene(std::exchange(other.scene, nullptr)),
-        origin(other.origin),
-        materials(std::move(other.materials)),
-        bounds(other.bounds),
-        key(other.key),
-        moving(other.moving) {}
-  Solid& operator=(Solid&&) = delete;
-  ~Solid() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-  }
 };
 
 Solid make_solid(RTCDevice device, const Mesh& mesh) {
   Solid solid;
   solid.origin = mesh.origin;
   solid.materials = mesh.materials;
-  solid.scene = rtcNewScene(device);
-  rtcSetSceneFlags(solid.scene, RTC_SCENE_FLAG_COMPACT);
+  solid.scene.reset(rtcNewScene(device));
+  rtcSetSceneFlags(solid.scene.get(), RTC_SCENE_FLAG_COMPACT);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -55,9 +49,9 @@ Solid make_solid(RTCDevice device, const Mesh& mesh) {
   for (const Eigen::Vector3f& v : mesh.vertices) vertices = std::copy_n(v.data(), 3, vertices);
   for (const auto& t : mesh.triangles) indices = std::copy_n(t.data(), 3, indices);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(solid.scene, geometry);
+  rtcAttachGeometry(solid.scene.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(solid.scene);
+  rtcCommitScene(solid.scene.get());
   for (const Eigen::Vector3f& v : mesh.vertices) {
     solid.bounds.extend(Vec2(v.head<2>().cast<double>() + mesh.origin.head<2>()));
   }
@@ -132,7 +126,7 @@ void RayCaster::Implementation::load_chunks(const Vec2& at, double reach) {
 
 void RayCaster::Implementation::attach(const Solid& solid, const Pose& start, const Pose& end) {
   RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(instance, solid.scene);
+  rtcSetGeometryInstancedScene(instance, solid.scene.get());
   const unsigned steps = solid.moving ? 2 : 1;
   rtcSetGeometryTimeStepCount(instance, steps);
   for (unsigned step = 0; step < steps; ++step) {

@@ -115,7 +115,7 @@ void add_corner(std::vector<Vec2>& line, const Vec2& from, const Vec2& direction
   constexpr int steps = 24;
   for (int i = 1; i < steps; ++i) {
     const double t = static_cast<double>(i) / steps, s = 1.0 - t;
-    line.push_back(s * s * s * from + 3 * s * s * t * a + 3 * s * t * t * b + t * t * t * to);
+    line.emplace_back(s * s * s * from + 3 * s * s * t * a + 3 * s * t * t * b + t * t * t * to);
   }
 }
 

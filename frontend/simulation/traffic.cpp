@@ -94,7 +94,8 @@ void Traffic::add_cars(double end, bool overtake, double gap, Random& random) {
 
 void Traffic::add_people(double gap, Random& random) {
   for (double s = 5.0; s < motion_.line().length(); s += gap * random.uniform(6, 40)) {
-    const auto shape = static_cast<std::size_t>(car_shapes + random.below(person_shapes));
+    const int person = car_shapes + random.below(person_shapes);
+    const auto shape = static_cast<std::size_t>(person);
     const double speed = random.uniform(0.7, 1.7) * (random.chance(0.5) ? 1.0 : -1.0);
     const Lane lane = random.chance(0.5) ? Lane::left_pavement : Lane::right_pavement;
     const double t = time_at(s);

@@ -101,7 +101,7 @@ fs::path find_ground_truth(const std::vector<fs::path>& folders) {
     for (const char* name :
          {"ground_truth", "groundtruth", "gt", "poses", "gt_poses", "registered_poses"}) {
       for (const char* extension : {".txt", ".tum", ".csv", ".kitti"}) {
-        const fs::path file = folder / (std::string(name) + extension);
+        fs::path file = folder / (std::string(name) + extension);
         if (fs::is_regular_file(file, error)) return file;
       }
     }

@@ -288,7 +288,8 @@ class McapFile final : public MessageFile {
 
   // One topic may have several channels.
   void set_topics() {
-    for (const auto& [id, channel] : channels_) {
+    for (const auto& entry : channels_) {
+      const auto& channel = entry.second;
       const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const Topic& topic) {
         return topic.name == channel.topic.name;
       });

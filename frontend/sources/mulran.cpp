@@ -70,8 +70,9 @@ class MulranRecording final : public ScanFiles {
       std::memcpy(p, buffer_.data() + i * kRecord, sizeof p);
       if (!is_return(p[0], p[1], p[2])) continue;
       if (whole) {
+        const std::size_t column = i / kMulranRows;
         scan.times[kept] =
-            static_cast<float>(i / kMulranRows) * static_cast<float>(kMulranTurn / kMulranColumns);
+            static_cast<float>(column) * static_cast<float>(kMulranTurn / kMulranColumns);
       }
       scan.points[kept++] = Eigen::Vector3f(p[0], p[1], p[2]);
     }

@@ -133,7 +133,8 @@ class HitsRecording final : public Recording {
     for (std::size_t at = 0; at < buffer_.size();) {
       const Packet packet = header(buffer_.data() + at);
       const std::size_t next = at + kPacketHeader + packet.hits * kHit;
-      const double begin = 1e-6 * static_cast<double>(packet.utime - turn.stamp / 1000);
+      const std::int64_t turn_utime = turn.stamp / 1000;
+      const double begin = 1e-6 * static_cast<double>(packet.utime - turn_utime);
       const double step = packet_seconds_ / static_cast<double>(std::max(packet.hits, 1U));
       for (std::uint32_t i = 0; i < packet.hits; ++i, ++seen) {
         Eigen::Vector3f p;
@@ -228,7 +229,7 @@ class HitsRecording final : public Recording {
       offset += bytes;
     }
     if (offset < size) {
-      info_.notes.push_back("The file is cut off within its last packet, which is left out.");
+      info_.notes.emplace_back("The file is cut off within its last packet, which is left out.");
     }
     finish_index(steps);
   }

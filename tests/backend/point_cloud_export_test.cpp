@@ -188,8 +188,8 @@ TEST(MapAssembly, PutsMapsAtTheirPosesAndMergesVoxels) {
   for (int i = 0; i < 200; ++i) second.emplace_back(0.5F + static_cast<float>(i), 0.5F, 0.5F);
   write_pcd(folder / "0.pcd", first);
   write_pcd(folder / "1.pcd", second);
-  const std::vector<MapPiece> pieces{{folder / "0.pcd", Pose(), 0},
-                                     {folder / "1.pcd", T_world_second, 1}};
+  const std::vector<MapPiece> pieces{rigid_piece(folder / "0.pcd", Pose()),
+                                     rigid_piece(folder / "1.pcd", T_world_second, 1)};
   MapAssemblyOptions options;
   options.voxel_size = 1.0;
   Collector map;
@@ -207,6 +207,40 @@ TEST(MapAssembly, PutsMapsAtTheirPosesAndMergesVoxels) {
       << "the temporary file is gone";
 }
 
+TEST(MapAssembly, FollowsTheTrajectoryInsideAMap) {
+  const TemporaryFolder folder;
+  // Odometry went straight for 100 m; the solution climbs an arc of 500 m radius. A point lay at
+  // each scan, and 3 m to its left.
+  Trajectory odometry;
+  Trajectory trajectory;
+  Points points;
+  const auto on_arc = [](double s) {
+    return Pose(exp_so3({0.0, -s / 500, 0.0}),
+                {500 * std::sin(s / 500), 7.0, 500 * (1 - std::cos(s / 500))});
+  };
+  for (int i = 0; i <= 200; ++i) {
+    const double s = 0.5 * i;
+    odometry.push_back({i, Pose(Eigen::Quaterniond::Identity(), {s + 20, -4.0, 0.0})});
+    trajectory.push_back({i, on_arc(s)});
+    points.emplace_back(static_cast<float>(s), 0.0F, 0.0F);
+    points.emplace_back(static_cast<float>(s), 3.0F, 0.0F);
+  }
+  write_pcd(folder / "0.pcd", points);
+  MapAssemblyOptions options;
+  options.voxel_size = 0.0;
+  Collector map;
+  const LocalMapRecord record{0, 0, 200, points.size(), trajectory.front().pose};
+  EXPECT_EQ(assemble_map({bent_piece(folder / "0.pcd", record, odometry, trajectory)}, options, map,
+                         folder.path()),
+            402U);
+  for (std::size_t i = 0; i < map.all.size(); ++i) {
+    const Eigen::Vector3d expected =
+        on_arc(0.25 * static_cast<double>(i - i % 2)) * Eigen::Vector3d(0, i % 2 == 0 ? 0 : 3, 0);
+    // A scan within 2 m, whose tangent leaves the arc by 2^2 / (2 * 500) m.
+    EXPECT_LT((map.all[i].position - expected).norm(), 0.004) << i;
+  }
+}
+
 TEST(MapAssembly, KeepsEveryPointWithoutVoxels) {
   const TemporaryFolder folder;
   const Points points(10, Eigen::Vector3f(1, 2, 3));
@@ -214,7 +248,8 @@ TEST(MapAssembly, KeepsEveryPointWithoutVoxels) {
   MapAssemblyOptions options;
   options.voxel_size = 0.0;
   Collector map;
-  EXPECT_EQ(assemble_map({{folder / "0.pcd", Pose(), 0}}, options, map, folder.path()), 10U);
+  EXPECT_EQ(assemble_map({rigid_piece(folder / "0.pcd", Pose())}, options, map, folder.path()),
+            10U);
 }
 
 TEST(MapAssembly, NeverSplitsAVoxelAtATileBorder) {
@@ -230,7 +265,8 @@ TEST(MapAssembly, NeverSplitsAVoxelAtATileBorder) {
   options.voxel_size = 0.3;
   options.tile_size = 10.0;
   Collector map;
-  EXPECT_EQ(assemble_map({{folder / "0.pcd", Pose(), 0}}, options, map, folder.path()), 3000U);
+  EXPECT_EQ(assemble_map({rigid_piece(folder / "0.pcd", Pose())}, options, map, folder.path()),
+            3000U);
 }
 
 }  // namespace
