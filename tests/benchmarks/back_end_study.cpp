@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/config.hpp"
+#include "backend/closure_anchor.hpp"
 #include "backend/odometry_scale.hpp"
 #include "backend/session_solver.hpp"
 #include "backend/stored_session.hpp"
@@ -46,11 +47,19 @@ struct Study {
   void errors(const ClosureRecord& c, double& m, double& deg, double& nees) const {
     m = deg = nees = std::nan("");
     if (true_pose.empty()) return;
-    const Pose expected = true_pose[c.query_map].inverse() * true_pose[c.reference_map];
-    const Pose error = c.T_query_reference.inverse() * expected;
+    // At the scans that met, where the final graph has it.
+    const LocalMapRecord& reference = part.maps[c.reference_map];
+    const LocalMapRecord& query = part.maps[c.query_map];
+    const ClosureAnchor anchor =
+        anchor_closure(c.T_query_reference, reference, part.odometry, query, part.odometry);
+    const Pose expected =
+        truth[anchor.query_scan].pose.inverse() * truth[anchor.reference_scan].pose;
+    const Pose error = anchor.T_query_reference.inverse() * expected;
     m = error.translation.norm();
     deg = rotation_angle(error.rotation) * 180.0 / M_PI;
-    const Vector6d xi = log_se3(error);
+    const Matrix6d carry = adjoint(part.odometry[reference.first_scan].pose.inverse() *
+                                   part.odometry[anchor.reference_scan].pose);
+    const Vector6d xi = carry * log_se3(error);
     nees = xi.dot(c.information * xi);
   }
 
