@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -30,6 +29,12 @@ struct Matched {
 struct Tolerance {
   double radius, turn;
 };
+
+// Between two angles of (-pi, pi]: at most pi. What std::remainder gives, at a tenth of its cost.
+double angle_between(double a, double b) {
+  const double difference = std::abs(a - b);
+  return difference > std::numbers::pi ? 2 * std::numbers::pi - difference : difference;
+}
 
 // The kMaxMatches with the nearest descriptors, nearest first.
 std::vector<KeypointMatch> nearest_matches(std::span<const KeypointMatch> matches) {
@@ -72,7 +77,7 @@ std::vector<std::size_t> inliers_of(const PlanarTransform& T, const std::vector<
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double error = (R * points[i].reference + T.translation - points[i].query).squaredNorm();
     if (error > tolerance.radius * tolerance.radius) continue;
-    if (std::abs(wrap_angle(points[i].turn - T.angle)) > tolerance.turn) continue;
+    if (angle_between(points[i].turn, T.angle) > tolerance.turn) continue;
     near.push_back({matches[i].distance, error, i});
   }
   std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
@@ -129,11 +134,17 @@ struct RotationRange {
   }
 };
 
+// The first and cheapest question to two matches; few pairs pass it.
+bool turn_alike(const Matched& a, const Matched& b, const Tolerance& tolerance) {
+  return angle_between(a.turn, b.turn) <= 2 * tolerance.turn;
+}
+
 // If an alignment has two matches as inliers of radius r, then the one that carries the first of
 // them (the anchor) exactly, with the same rotation, has the other within 2 r. These are the
 // rotations for which that is so.
 RotationRange allowed_rotations(const Matched& anchor, const Matched& other,
                                 const Tolerance& tolerance) {
+  if (!turn_alike(anchor, other, tolerance)) return {};
   const double reach = 2 * tolerance.radius;
   const Eigen::Vector2d v = other.query - anchor.query;
   const Eigen::Vector2d w = other.reference - anchor.reference;
@@ -141,12 +152,11 @@ RotationRange allowed_rotations(const Matched& anchor, const Matched& other,
   const double along = length_v - length_w;
   // Too near to tell a rotation, or not the same distance.
   if (std::min(length_v, length_w) <= reach || std::abs(along) > reach) return {};
-  if (std::abs(wrap_angle(other.turn - anchor.turn)) > 2 * tolerance.turn) return {};
   const double turn = std::atan2(w.x() * v.y() - w.y() * v.x(), w.dot(v));
   // |R w - v| <= reach where the rotation is within this of the exact one.
   const double chord = (reach * reach - along * along) / (4 * length_v * length_w);
   const double half = 2 * std::asin(std::sqrt(std::min(1.0, chord)));
-  if (std::abs(wrap_angle(turn - other.turn)) > tolerance.turn + half) return {};
+  if (angle_between(turn, other.turn) > tolerance.turn + half) return {};
   const double bins_per_radian = kRotationBins / (2 * std::numbers::pi);
   const auto bin = [&](double angle) {
     return static_cast<int>(std::floor((angle + std::numbers::pi) * bins_per_radian));
@@ -167,19 +177,26 @@ struct Hypothesis {
 
 Hypothesis vote(std::size_t anchor, const std::vector<Matched>& points,
                 const Tolerance& tolerance) {
-  std::array<int, 2 * kRotationBins + 1> change{};
+  std::array<int, kRotationBins + 1> change;
+  int ranges = 0;
   for (std::size_t j = 0; j < points.size(); ++j) {
-    if (j == anchor) continue;
+    if (!turn_alike(points[anchor], points[j], tolerance) || j == anchor) continue;
     const RotationRange range = allowed_rotations(points[anchor], points[j], tolerance);
     if (range.last < range.first) continue;
+    if (ranges++ == 0) change.fill(0);
     ++change[static_cast<std::size_t>(range.first)];
-    --change[static_cast<std::size_t>(range.last) + 1];
+    if (range.last < kRotationBins) {
+      --change[static_cast<std::size_t>(range.last) + 1];
+    } else {
+      ++change[0];
+      --change[static_cast<std::size_t>(range.last - kRotationBins) + 1];
+    }
   }
-  std::partial_sum(change.begin(), change.end(), change.begin());
   Hypothesis best{anchor, 0, 0};
+  if (ranges == 0) return best;
+  int votes = 0;
   for (int bin = 0; bin < kRotationBins; ++bin) {
-    const auto b = static_cast<std::size_t>(bin);
-    const int votes = change[b] + change[b + kRotationBins];
+    votes += change[static_cast<std::size_t>(bin)];
     if (votes > best.votes) best = {anchor, bin, votes};
   }
   return best;
@@ -222,24 +239,31 @@ std::vector<KeypointMatch> matches_under(const PlanarTransform& T, const MapDesc
                                          const MapDescription& reference, double radius,
                                          int max_distance) {
   // Query keypoints in order of x, so that those near a position are a short run.
-  std::vector<std::pair<float, std::uint32_t>> by_x;
+  struct ByX {
+    float x, y;
+    std::uint32_t index;
+  };
+  std::vector<ByX> by_x;
+  by_x.reserve(query.keypoints.size());
   for (std::uint32_t i = 0; i < query.keypoints.size(); ++i) {
-    by_x.emplace_back(query.keypoints[i].x(), i);
+    by_x.push_back({query.keypoints[i].x(), query.keypoints[i].y(), i});
   }
-  std::sort(by_x.begin(), by_x.end());
+  std::sort(by_x.begin(), by_x.end(), [](const ByX& a, const ByX& b) {
+    return std::tie(a.x, a.index) < std::tie(b.x, b.index);
+  });
   const Eigen::Matrix2f R = rotation_matrix(T).cast<float>();
   const Eigen::Vector2f t = T.translation.cast<float>();
   const auto reach = static_cast<float>(2 * radius);
   std::vector<KeypointMatch> result;
   for (std::uint32_t r = 0; r < reference.keypoints.size(); ++r) {
     const Eigen::Vector2f p = R * reference.keypoints[r] + t;
-    auto it = std::lower_bound(by_x.begin(), by_x.end(),
-                               std::pair<float, std::uint32_t>(p.x() - reach, 0));
-    for (; it != by_x.end() && it->first <= p.x() + reach; ++it) {
-      if ((query.keypoints[it->second] - p).squaredNorm() > reach * reach) continue;
-      const int distance =
-          hamming_distance(query.descriptors[it->second], reference.descriptors[r]);
-      if (distance <= max_distance) result.push_back({it->second, r, distance});
+    auto it = std::lower_bound(by_x.begin(), by_x.end(), p.x() - reach,
+                               [](const ByX& k, float x) { return k.x < x; });
+    for (; it != by_x.end() && it->x <= p.x() + reach; ++it) {
+      const float dx = it->x - p.x(), dy = it->y - p.y();
+      if (dx * dx + dy * dy > reach * reach) continue;
+      const int distance = hamming_distance(query.descriptors[it->index], reference.descriptors[r]);
+      if (distance <= max_distance) result.push_back({it->index, r, distance});
     }
   }
   return result;

@@ -1,7 +1,7 @@
 #include "loopclosure/density_image.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 
 namespace groundloop {
@@ -17,18 +17,13 @@ constexpr float kGroundLayer = 2.5F;
 struct CountGrid {
   int half = 0;  // cells from the origin to the border
   int side = 0;
+  // Cells from row to row. Not a power of two: rows would share few lines of the nearest cache.
+  std::ptrdiff_t stride = 0;
   std::vector<std::uint32_t> counts;  // of layers: first as bits
   Eigen::Vector2i low, high;          // occupied cells, both included, from the corner of the grid
   std::size_t dropped = 0;
 
-  [[nodiscard]] std::uint32_t* row(int v) {
-    return counts.data() + static_cast<std::ptrdiff_t>(v) * side;
-  }
-  // As before the first point; only what was occupied is touched.
-  void clear() {
-    for (int v = low.y(); v <= high.y(); ++v)
-      std::fill(row(v) + low.x(), row(v) + high.x() + 1, 0U);
-  }
+  [[nodiscard]] std::uint32_t* row(int v) { return counts.data() + v * stride; }
 };
 
 // A thread's grid: megabytes that would otherwise be allocated and zeroed for every map.
@@ -38,72 +33,176 @@ CountGrid& clean_grid(const DensityImageOptions& options) {
   if (grid.half != half) {
     grid.half = half;
     grid.side = 2 * half;
-    grid.counts.assign(static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.side),
+    grid.stride = grid.side + 16;
+    grid.counts.assign(static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.stride),
                        0);
   }
   grid.dropped = 0;
   return grid;
 }
 
+// The cell of each point of a block and the layer it lies in; -1 where it is outside of the grid.
+struct Block {
+  static constexpr std::size_t kPoints = 128;
+  std::array<std::int32_t, kPoints> u, v, layer;
+};
+
+// Ground frame in cells and layers, counted from the corner of the grid and the lowest layer, so
+// that truncation is the floor.
+struct CellTransform {
+  Eigen::Matrix3f R;
+  Eigen::Vector3f t;
+  float side;
+
+  // Without branches, so that it runs several points at a time.
+  void apply(const Eigen::Vector3f* points, std::size_t count, Block& block) const {
+    const float* const values = points->data();
+    const float r00 = R(0, 0), r01 = R(0, 1), r02 = R(0, 2), r10 = R(1, 0), r11 = R(1, 1),
+                r12 = R(1, 2), r20 = R(2, 0), r21 = R(2, 1), r22 = R(2, 2), tx = t.x(), ty = t.y(),
+                tz = t.z(), end = side;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float px = values[3 * i], py = values[3 * i + 1], pz = values[3 * i + 2];
+      const float x = r00 * px + r01 * py + r02 * pz + tx;
+      const float y = r10 * px + r11 * py + r12 * pz + ty;
+      const float layer = r20 * px + r21 * py + r22 * pz + tz;
+      // Written so that NaN is outside.
+      const float u = x >= 0.0F ? x : -1.0F, v = y >= 0.0F ? y : -1.0F;
+      block.u[i] = static_cast<std::int32_t>(u < end ? u : -1.0F);
+      block.v[i] = static_cast<std::int32_t>(v < end ? v : -1.0F);
+      const float low = layer > 0.0F ? layer : 0.0F;
+      block.layer[i] = static_cast<std::int32_t>(low < kLayers - 1.0F ? low : kLayers - 1.0F);
+    }
+  }
+};
+
 template <bool kCountLayers>
 void count_points(const Points& points, const Pose& T_ground_map,
                   const DensityImageOptions& options, CountGrid& grid) {
   const PoseF T(T_ground_map);
-  const auto side = static_cast<float>(grid.side);
-  // Cells are counted from the corner of the grid, so that truncation is the floor.
   const Eigen::Vector3f scale =
       Eigen::Vector3d(1 / options.resolution, 1 / options.resolution, 1 / options.layer_height)
           .cast<float>();
-  const Eigen::Matrix3f R = scale.asDiagonal() * T.rotation;
   const auto half = static_cast<float>(grid.half);
-  const Eigen::Vector3f t =
-      scale.cwiseProduct(T.translation) + Eigen::Vector3f(half, half, kGroundLayer);
+  const CellTransform to_cells{
+      scale.asDiagonal() * T.rotation,
+      scale.cwiseProduct(T.translation) + Eigen::Vector3f(half, half, kGroundLayer),
+      static_cast<float>(grid.side)};
   std::uint32_t* const counts = grid.counts.data();
-  const auto stride = static_cast<std::ptrdiff_t>(grid.side);
+  const std::ptrdiff_t stride = grid.stride;
   std::size_t dropped = 0;
   int low_u = grid.side, low_v = grid.side, high_u = -1, high_v = -1;
-  for (const Eigen::Vector3f& p : points) {
-    const float x = R(0, 0) * p.x() + R(0, 1) * p.y() + R(0, 2) * p.z() + t.x();
-    const float y = R(1, 0) * p.x() + R(1, 1) * p.y() + R(1, 2) * p.z() + t.y();
-    // Written so that NaN fails.
-    if (!(x >= 0 && x < side && y >= 0 && y < side)) {
-      ++dropped;
-      continue;
+  Block block;
+  for (std::size_t begin = 0; begin < points.size(); begin += Block::kPoints) {
+    const std::size_t count = std::min(Block::kPoints, points.size() - begin);
+    // Maps are larger than the nearer caches, and the processor's own reading ahead ends at pages.
+    constexpr std::size_t kAhead = 4 * Block::kPoints, kPointsALine = 5;
+    if (begin + kAhead + Block::kPoints <= points.size()) {
+      const Eigen::Vector3f* const ahead = points.data() + begin + kAhead;
+      for (std::size_t i = 0; i < Block::kPoints; i += kPointsALine) __builtin_prefetch(ahead + i);
     }
-    const int u = static_cast<int>(x), v = static_cast<int>(y);
-    std::uint32_t& count = counts[v * stride + u];
-    if constexpr (kCountLayers) {
-      const float layer = R(2, 0) * p.x() + R(2, 1) * p.y() + R(2, 2) * p.z() + t.z();
-      count |= 1U << static_cast<int>(std::clamp(layer, 0.0F, kLayers - 1.0F));
-    } else {
-      ++count;
+    to_cells.apply(points.data() + begin, count, block);
+    for (std::size_t i = 0; i < count; ++i) {
+      const int u = block.u[i], v = block.v[i];
+      if ((u | v) < 0) {
+        ++dropped;
+        continue;
+      }
+      std::uint32_t& cell = counts[v * stride + u];
+      if constexpr (kCountLayers) {
+        cell |= 1U << block.layer[i];
+      } else {
+        ++cell;
+      }
+      low_u = std::min(low_u, u), high_u = std::max(high_u, u);
+      low_v = std::min(low_v, v), high_v = std::max(high_v, v);
     }
-    low_u = std::min(low_u, u), high_u = std::max(high_u, u);
-    low_v = std::min(low_v, v), high_v = std::max(high_v, v);
   }
   grid.dropped = dropped;
   grid.low = Eigen::Vector2i(low_u, low_v);
   grid.high = Eigen::Vector2i(high_u, high_v);
-  if constexpr (kCountLayers) {
-    for (int v = low_v; v <= high_v; ++v) {
-      std::uint32_t* row = grid.row(v);
-      for (int u = low_u; u <= high_u; ++u) {
-        if (row[u] != 0) row[u] = static_cast<std::uint32_t>(std::popcount(row[u]));
+}
+
+// How many occupied cells there are of each count.
+struct Histogram {
+  std::vector<std::size_t> cells;
+  std::size_t occupied = 0;
+};
+
+std::uint32_t bits_set(std::uint32_t x) {  // as a loop over a row can do it several at a time
+  x -= (x >> 1) & 0x55555555U;
+  x = (x & 0x33333333U) + ((x >> 2) & 0x33333333U);
+  x = (x + (x >> 4)) & 0x0f0f0f0fU;
+  x += x >> 8;
+  return (x + (x >> 16)) & 0x3fU;
+}
+
+// Turns the bits of the occupied part of the grid into counts of layers.
+Histogram layer_histogram(CountGrid& grid) {
+  // Most cells are empty: with one bin for them, each increment would wait for the one before.
+  constexpr int kParts = 4;
+  std::array<std::array<std::uint32_t, kLayers + 1>, kParts> parts{};
+  const int width = grid.high.x() - grid.low.x() + 1;
+  for (int v = grid.low.y(); v <= grid.high.y(); ++v) {
+    std::uint32_t* const row = grid.row(v) + grid.low.x();
+    for (int u = 0; u < width; ++u) row[u] = bits_set(row[u]);
+    int u = 0;
+    for (; u + kParts <= width; u += kParts) {
+      for (int part = 0; part < kParts; ++part) {
+        ++parts[static_cast<std::size_t>(part)][row[u + part]];
       }
     }
+    for (; u < width; ++u) ++parts[0][row[u]];
   }
+  Histogram histogram;
+  histogram.cells.resize(kLayers + 1);
+  for (std::size_t bin = 1; bin <= kLayers; ++bin) {
+    for (const auto& part : parts) histogram.cells[bin] += part[bin];
+    histogram.occupied += histogram.cells[bin];
+  }
+  return histogram;
+}
+
+Histogram point_histogram(CountGrid& grid) {
+  Histogram histogram;
+  for (int v = grid.low.y(); v <= grid.high.y(); ++v) {
+    std::uint32_t* const row = grid.row(v);
+    for (int u = grid.low.x(); u <= grid.high.x(); ++u) {
+      if (row[u] == 0) continue;
+      row[u] = std::min(row[u], kLargestCount);
+      if (row[u] >= histogram.cells.size()) histogram.cells.resize(row[u] + 1, 0);
+      ++histogram.cells[row[u]];
+      ++histogram.occupied;
+    }
+  }
+  return histogram;
 }
 
 // The count that a share of the occupied cells does not exceed, rounded towards the greatest.
-std::size_t quantile(const std::vector<std::size_t>& histogram, std::size_t occupied,
-                     double share) {
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(occupied - 1)));
+std::size_t quantile(const Histogram& histogram, double share) {
+  const auto rank =
+      static_cast<std::size_t>(std::ceil(share * static_cast<double>(histogram.occupied - 1)));
   std::size_t below = 0;
-  for (std::size_t count = 0; count < histogram.size(); ++count) {
-    below += histogram[count];
+  for (std::size_t count = 0; count < histogram.cells.size(); ++count) {
+    below += histogram.cells[count];
     if (below > rank) return count;
   }
-  return histogram.size() - 1;
+  return histogram.cells.size() - 1;
+}
+
+// The grey level of each count.
+std::vector<std::uint8_t> grey_levels(const Histogram& histogram,
+                                      const DensityImageOptions& options) {
+  std::size_t least = 0;
+  while (histogram.cells[least] == 0) ++least;
+  const double range = static_cast<double>(quantile(histogram, options.saturation) - least);
+  std::vector<std::uint8_t> levels(histogram.cells.size(), 0);
+  for (std::size_t count = least; count < levels.size(); ++count) {
+    const double density =
+        range > 0 ? std::min(1.0, static_cast<double>(count - least) / range) : 1.0;
+    if (density < options.min_density) continue;
+    levels[count] = static_cast<std::uint8_t>(std::lround(255.0 * density));
+  }
+  return levels;
 }
 
 }  // namespace
@@ -111,7 +210,8 @@ std::size_t quantile(const std::vector<std::size_t>& histogram, std::size_t occu
 DensityImage make_density_image(const Points& map_points, const Pose& T_ground_map,
                                 const DensityImageOptions& options) {
   CountGrid& grid = clean_grid(options);
-  if (options.count == "layers") {
+  const bool layers = options.count == "layers";
+  if (layers) {
     count_points<true>(map_points, T_ground_map, options, grid);
   } else {
     count_points<false>(map_points, T_ground_map, options, grid);
@@ -124,38 +224,17 @@ DensityImage make_density_image(const Points& map_points, const Pose& T_ground_m
   image.first_cell = grid.low.array() - grid.half;
   image.width = grid.high.x() - grid.low.x() + 1;
   image.height = grid.high.y() - grid.low.y() + 1;
-  const auto row = [&](int v) { return grid.row(grid.low.y() + v) + grid.low.x(); };
-  std::uint32_t least = 0xffffffffU;
-  std::size_t occupied = 0;
-  std::vector<std::size_t> histogram;
+  const std::vector<std::uint8_t> levels =
+      grey_levels(layers ? layer_histogram(grid) : point_histogram(grid), options);
+  image.pixels.resize(static_cast<std::size_t>(image.width) *
+                      static_cast<std::size_t>(image.height));
   for (int v = 0; v < image.height; ++v) {
-    const std::uint32_t* counts = row(v);
-    for (int u = 0; u < image.width; ++u) {
-      if (counts[u] == 0) continue;
-      least = std::min(least, counts[u]);
-      const std::size_t bin = std::min(counts[u], kLargestCount);
-      if (bin >= histogram.size()) histogram.resize(bin + 1, 0);
-      ++histogram[bin];
-      ++occupied;
-    }
+    std::uint32_t* const counts = grid.row(grid.low.y() + v) + grid.low.x();
+    std::uint8_t* const pixels = image.pixels.data() + static_cast<std::ptrdiff_t>(v) * image.width;
+    for (int u = 0; u < image.width; ++u) pixels[u] = levels[counts[u]];
+    // The grid is left as it was found.
+    std::fill(counts, counts + image.width, 0U);
   }
-  const double range =
-      static_cast<double>(quantile(histogram, occupied, options.saturation)) - least;
-  image.pixels.assign(
-      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 0);
-  for (int v = 0; v < image.height; ++v) {
-    const std::uint32_t* counts = row(v);
-    std::uint8_t* pixels = image.pixels.data() + static_cast<std::ptrdiff_t>(v) * image.width;
-    for (int u = 0; u < image.width; ++u) {
-      if (counts[u] == 0) continue;
-      const double density =
-          range > 0 ? std::min(1.0, (static_cast<double>(counts[u]) - least) / range) : 1.0;
-      if (density >= options.min_density) {
-        pixels[u] = static_cast<std::uint8_t>(std::lround(255.0 * density));
-      }
-    }
-  }
-  grid.clear();
   return image;
 }
 

@@ -71,12 +71,25 @@ __attribute__((target("avx512f,avx512vl,avx512vpopcntdq"))) void distances_avx51
     const Descriptor& query, const Descriptor* stored, const std::uint32_t* ids, std::size_t count,
     std::uint16_t* distances) {
   const __m256i q = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(query.data()));
-  for (std::size_t i = 0; i < count; ++i) {
+  const auto counts = [&](std::size_t i)
+      __attribute__((target("avx512f,avx512vl,avx512vpopcntdq"), always_inline)) {
     prefetch(stored, ids, i, count);
     const Descriptor& d = pick(stored, ids, i);
-    const __m256i x =
-        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(d.data())));
-    const __m256i sums = _mm256_popcnt_epi64(x);
+    return _mm256_popcnt_epi64(
+        _mm256_xor_si256(q, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(d.data()))));
+  };
+  std::size_t i = 0;
+  // Four descriptors share their sums: lanes are interleaved, added, and added across halves.
+  for (; i + 4 <= count; i += 4) {
+    const __m256i a = counts(i), b = counts(i + 1), c = counts(i + 2), d = counts(i + 3);
+    const __m256i ab = _mm256_add_epi64(_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b));
+    const __m256i cd = _mm256_add_epi64(_mm256_unpacklo_epi64(c, d), _mm256_unpackhi_epi64(c, d));
+    const __m256i sums = _mm256_add_epi64(_mm256_permute2x128_si256(ab, cd, 0x20),
+                                          _mm256_permute2x128_si256(ab, cd, 0x31));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(distances + i), _mm256_cvtepi64_epi16(sums));
+  }
+  for (; i < count; ++i) {
+    const __m256i sums = counts(i);
     const __m128i halves =
         _mm_add_epi64(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
     distances[i] = static_cast<std::uint16_t>(

@@ -7,6 +7,11 @@
 #include "loopclosure/hamming.hpp"
 
 namespace groundloop {
+namespace {
+
+constexpr std::uint16_t kFar = 0x7fff;  // above any distance
+
+}  // namespace
 
 HammingForest::HammingForest(std::size_t trees, std::size_t leaf_size)
     : leaf_size_(std::max<std::size_t>(1, leaf_size)),
@@ -78,16 +83,28 @@ void HammingForest::split(std::size_t tree_index, std::uint32_t node) {
 void HammingForest::search(const Descriptor& query, int max_distance,
                            std::vector<Match>& matches) const {
   matches.clear();
-  constexpr std::size_t kChunk = 128;
+  // All trees are descended first, so that the leaves come nearer while others are read.
+  std::array<const std::vector<std::uint32_t>*, 256> leaves;
+  for (std::size_t t = 0; t < trees_.size(); ++t) {
+    leaves[t] = &trees_[t].leaves[trees_[t].nodes[leaf_node(trees_[t], query)].zero].ids;
+    __builtin_prefetch(leaves[t]->data());
+  }
+  constexpr std::size_t kChunk = 128, kGroup = 16;
   std::array<std::uint16_t, kChunk> distances;
-  for (const Tree& tree : trees_) {
-    const std::vector<std::uint32_t>& ids =
-        tree.leaves[tree.nodes[leaf_node(tree, query)].zero].ids;
+  for (std::size_t t = 0; t < trees_.size(); ++t) {
+    const std::vector<std::uint32_t>& ids = *leaves[t];
     for (std::size_t begin = 0; begin < ids.size(); begin += kChunk) {
       const std::size_t count = std::min(kChunk, ids.size() - begin);
       hamming_distances_at(query, descriptors_.data(), ids.data() + begin, count, distances.data());
-      for (std::size_t i = 0; i < count; ++i) {
-        if (distances[i] <= max_distance) matches.push_back({ids[begin + i], distances[i]});
+      std::fill(distances.begin() + static_cast<std::ptrdiff_t>(count), distances.end(), kFar);
+      for (std::size_t group = 0; group < count; group += kGroup) {
+        // Matches are rare: most groups have none.
+        std::uint16_t least = kFar;
+        for (std::size_t i = group; i < group + kGroup; ++i) least = std::min(least, distances[i]);
+        if (least > max_distance) continue;
+        for (std::size_t i = group; i < std::min(group + kGroup, count); ++i) {
+          if (distances[i] <= max_distance) matches.push_back({ids[begin + i], distances[i]});
+        }
       }
     }
   }

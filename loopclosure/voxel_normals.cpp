@@ -1,6 +1,7 @@
 #include "loopclosure/voxel_normals.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -11,6 +12,7 @@ namespace groundloop {
 namespace {
 
 constexpr float kMaxCoordinate = 1e4F;
+constexpr std::size_t kBlock = 64;
 constexpr float kMinPoints = 5;
 // A plane: its thickness is less than this part of its smaller extent (standard deviations).
 constexpr float kMaxFlatness = 0.3F;
@@ -27,41 +29,57 @@ VoxelNormals::VoxelNormals(const Points& points, double size, std::size_t max_po
   const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
   const auto inverse = static_cast<float>(1.0 / size);
   const auto edge = static_cast<float>(size);
-  VoxelTable table(points.size() / 8);
+  const std::size_t expected = points.size() / stride / 8;
+  VoxelTable table(expected);
+  moments_.reserve(expected);
   std::vector<Eigen::Vector3f> corners;
-  VoxelKey last_key = ~VoxelKey{0};  // no key has its upper bit set
-  std::uint32_t index = 0;
-  for (std::size_t n = 0; n < points.size(); n += stride) {
-    const Eigen::Vector3f& p = points[n];
-    if (!usable(p)) continue;
-    const Eigen::Vector3i voxel = voxel_of(p, inverse);
-    const VoxelKey key = voxel_key(voxel);
-    if (key != last_key) {
-      const auto fresh = static_cast<std::uint32_t>(moments_.size());
-      index = table.find_or_insert(key, fresh);
-      if (index == fresh) {
-        moments_.emplace_back();
-        corners.push_back(voxel.cast<float>() * edge);
-      }
-      last_key = key;
+  corners.reserve(moments_.capacity());
+  // Neither the table nor the moments fit in the nearest cache, and points of one voxel lie far
+  // apart: a block of points asks for its slots, then for its moments, before it waits for either.
+  struct Sample {
+    Moments moments;
+    Eigen::Vector3f corner;
+    std::uint32_t index;
+    VoxelKey key;
+  };
+  std::array<Sample, kBlock> block;
+  for (std::size_t n = 0; n < points.size();) {
+    std::size_t count = 0;
+    for (; n < points.size() && count < kBlock; n += stride) {
+      const Eigen::Vector3f& p = points[n];
+      __builtin_prefetch(&points[std::min(n + kBlock * stride, points.size() - 1)]);
+      if (!usable(p)) continue;
+      const Eigen::Vector3i voxel = voxel_of(p, inverse);
+      Sample& sample = block[count++];
+      sample.corner = voxel.cast<float>() * edge;
+      sample.key = voxel_key(voxel);
+      table.prefetch(sample.key);
+      const Eigen::Vector3f d = p - sample.corner;
+      sample.moments.first << d.x(), d.y(), d.z(), 1.0F;
+      sample.moments.square << d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), 0.0F;
+      sample.moments.mixed << d.x() * d.y(), d.x() * d.z(), d.y() * d.z(), 0.0F;
     }
-    const Eigen::Vector3f d = p - corners[index];
-    Moments& m = moments_[index];
-    m.n += 1;
-    m.x += d.x();
-    m.y += d.y();
-    m.z += d.z();
-    m.xx += d.x() * d.x();
-    m.xy += d.x() * d.y();
-    m.xz += d.x() * d.z();
-    m.yy += d.y() * d.y();
-    m.yz += d.y() * d.z();
-    m.zz += d.z() * d.z();
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto fresh = static_cast<std::uint32_t>(moments_.size());
+      block[i].index = table.find_or_insert(block[i].key, fresh);
+      if (block[i].index == fresh) {
+        moments_.emplace_back();
+        corners.push_back(block[i].corner);
+      } else {
+        __builtin_prefetch(&moments_[block[i].index], 1);
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      Moments& m = moments_[block[i].index];
+      m.first += block[i].moments.first;
+      m.square += block[i].moments.square;
+      m.mixed += block[i].moments.mixed;
+    }
   }
   means_.resize(moments_.size());
   for (std::size_t v = 0; v < moments_.size(); ++v) {
     const Moments& m = moments_[v];
-    means_[v] = corners[v] + Eigen::Vector3f(m.x, m.y, m.z) / m.n;
+    means_[v] = corners[v] + m.first.head<3>().matrix() / m.first.w();
   }
   normals_.assign(moments_.size(), Eigen::Vector3f::Zero());
   known_.assign(moments_.size(), 0);
@@ -71,12 +89,15 @@ const Eigen::Vector3f& VoxelNormals::normal(std::size_t i) const {
   if (known_[i] != 0) return normals_[i];
   known_[i] = 1;
   const Moments& m = moments_[i];
-  if (m.n < kMinPoints) return normals_[i];
-  const float x = m.x / m.n, y = m.y / m.n, z = m.z / m.n;
+  const float n_points = m.first.w();
+  if (n_points < kMinPoints) return normals_[i];
+  const Eigen::Array3f mean = m.first.head<3>() / n_points;
+  const Eigen::Array3f variance = m.square.head<3>() / n_points - mean.square();
+  const float xy = m.mixed.x() / n_points - mean.x() * mean.y();
+  const float xz = m.mixed.y() / n_points - mean.x() * mean.z();
+  const float yz = m.mixed.z() / n_points - mean.y() * mean.z();
   Eigen::Matrix3f covariance;
-  covariance << m.xx / m.n - x * x, m.xy / m.n - x * y, m.xz / m.n - x * z,  //
-      m.xy / m.n - x * y, m.yy / m.n - y * y, m.yz / m.n - y * z,            //
-      m.xz / m.n - x * z, m.yz / m.n - y * z, m.zz / m.n - z * z;
+  covariance << variance.x(), xy, xz, xy, variance.y(), yz, xz, yz, variance.z();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
   solver.computeDirect(covariance);
   const Eigen::Vector3f values = solver.eigenvalues();

@@ -2,7 +2,6 @@
 // through them: what ground alignment samples from.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,8 +26,9 @@ class VoxelNormals {
   [[nodiscard]] const Eigen::Vector3f& normal(std::size_t i) const;
 
  private:
+  /// Sums over points: x, y, z and their number; xx, yy, zz; xy, xz, yz. Four to a register.
   struct Moments {
-    float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    Eigen::Array4f first = Eigen::Array4f::Zero(), square = first, mixed = first;
   };
   std::vector<Eigen::Vector3f> means_;
   std::vector<Moments> moments_;  ///< about the voxel's corner

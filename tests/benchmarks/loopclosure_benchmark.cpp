@@ -1,6 +1,10 @@
-// The stages of loop closing, one benchmark each, on a made-up town block of 200 000 points, and
-// the database at 10 to 10 000 local maps: built, saved, loaded, searched.
+// The stages of loop closing, one benchmark each, on a made-up town block of 200 000 points; the
+// database at 10 to 10 000 local maps: built, saved, loaded, searched; and, where
+// GROUNDLOOP_SESSION names a session's folder, all stages on its local maps, one after the other on
+// one core.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -9,6 +13,7 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
+#include "frontend/core/pcd.hpp"
 #include "loopclosure/consensus.hpp"
 #include "loopclosure/density_image.hpp"
 #include "loopclosure/describe.hpp"
@@ -194,6 +199,58 @@ void consensus(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(find_consensus(query, reference, matches, {}));
 }
 BENCHMARK(consensus)->Arg(20)->Arg(100)->Arg(300)->Unit(benchmark::kMicrosecond);
+
+std::vector<Points> session_maps(const std::filesystem::path& session) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(session / "local_maps")) {
+    files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Points> maps;
+  maps.reserve(files.size());
+  for (const std::filesystem::path& file : files) maps.push_back(read_pcd(file));
+  return maps;
+}
+
+// As in a run: each map described, sought in the database of those before it, and entered. The
+// counters are milliseconds of processor time a map.
+void stages_of_a_session(benchmark::State& state) {
+  const char* session = std::getenv("GROUNDLOOP_SESSION");
+  if (session == nullptr) {
+    state.SkipWithError("GROUNDLOOP_SESSION is not set");
+    return;
+  }
+  const std::vector<Points> maps = session_maps(session);
+  LoopClosureTimes times;
+  std::size_t candidates = 0, inliers = 0;
+  for (auto _ : state) {
+    LoopDatabase database{LoopClosureOptions{}};
+    candidates = inliers = 0;
+    for (std::size_t m = 0; m < maps.size(); ++m) {
+      MapDescription description =
+          describe_map({0, static_cast<int>(m)}, maps[m], LoopClosureOptions{}, &times);
+      for (const ClosureCandidate& candidate : database.query(description, &times)) {
+        ++candidates;
+        inliers += static_cast<std::size_t>(candidate.inliers);
+      }
+      database.insert(std::move(description));
+    }
+  }
+  const double scale = 1e3 / static_cast<double>(maps.size());
+  const auto counter = [&](const char* name, double seconds) {
+    state.counters[name] = benchmark::Counter(seconds * scale, benchmark::Counter::kAvgIterations);
+  };
+  counter("1_ground", times.ground_alignment);
+  counter("2_image", times.density_image);
+  counter("3_features", times.features);
+  counter("4_matching", times.matching);
+  counter("5_consensus", times.consensus);
+  counter("6_sum", times.ground_alignment + times.density_image + times.features + times.matching +
+                       times.consensus);
+  state.counters["candidates"] = static_cast<double>(candidates);
+  state.counters["inliers"] = static_cast<double>(inliers);
+}
+BENCHMARK(stages_of_a_session)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace groundloop
