@@ -95,6 +95,24 @@ Json closure_counts(const MergeResult& result) {
           {"between_sessions", {{"candidates", between}, {"accepted", between_accepted}}}};
 }
 
+// KITTI's segments, and where the way ends once its beginning is put on the ground truth's.
+Json drift(const MergedPart& part, const MergeEvaluation& evaluation, std::size_t p) {
+  const std::optional<TrajectoryEvaluation>& e = evaluation.odometry[p];
+  if (!e || e->pairs.empty()) return {};
+  const Trajectory& truth = evaluation.ground_truth[p];
+  const auto travelled = [&](const Trajectory& trajectory, std::size_t from, std::size_t to) {
+    return trajectory[from].pose.inverse() * trajectory[to].pose;
+  };
+  const auto [first, first_row] = e->pairs.front();
+  const auto [last, last_row] = e->pairs.back();
+  const Pose error =
+      travelled(truth, first_row, last_row).inverse() * travelled(part.odometry, first, last);
+  return {
+      {"kitti_translation_percent", e->kitti_translation_percent},
+      {"end_error_m", error.translation.norm()},
+      {"end_error_percent", 100.0 * error.translation.norm() / std::max(1e-9, e->path_length_m)}};
+}
+
 const std::string& name_of(const MergeResult& result, int part) {
   return result.parts[part].source->name;
 }
@@ -218,6 +236,8 @@ Json merge_metrics(const MergeResult& result, const MergeEvaluation& evaluation,
     way += path_length(part.trajectory);
     parts[part.source->name] = {{"scans", part.trajectory.size()},
                                 {"frame", name_of(result, part.frame)},
+                                {"odometry_scale", part.odometry_scale},
+                                {"odometry_drift", drift(part, evaluation, p)},
                                 {"ape",
                                  {{"odometry", ape(evaluation.odometry[p])},
                                   {"optimised", ape(evaluation.optimised[p])},

@@ -10,6 +10,11 @@
 namespace groundloop {
 namespace {
 
+// Of a verified closure: one in twenty is false.
+constexpr double kLogOdds = 3.0;
+// What each further member of a group adds to its log-odds: false groups tend to be small.
+constexpr double kLogOddsOfNeighbour = 0.5;
+
 struct Link {
   double log_density;
   std::size_t a, b;  // places among the closures
@@ -45,6 +50,15 @@ double log_density(const RelativePose& loop) {
   const Eigen::LDLT<Matrix6d> factor(loop.covariance);
   return -0.5 * r.dot(factor.solve(r)) - 0.5 * factor.vectorD().array().log().sum() -
          3.0 * std::log(2.0 * std::numbers::pi);
+}
+
+double log_prior(const ClosureGroups& groups, bool called_true) {
+  double sum = 0.0;
+  for (const std::vector<std::size_t>& members : groups.groups) {
+    const double odds = kLogOdds + kLogOddsOfNeighbour * static_cast<double>(members.size() - 1);
+    sum -= std::log1p(std::exp(called_true ? -odds : odds));
+  }
+  return sum;
 }
 
 ClosureGroups group_closures(const PoseGraph& graph, const std::vector<EdgeEnds>& ends,

@@ -30,6 +30,10 @@ struct ClosureGroups {
                                            const std::vector<std::size_t>& closures,
                                            double distance, double bound);
 
+/// Logarithm of the probability, before odometry and other closures are asked, that the groups are
+/// all true or all false, as `called_true` says.
+[[nodiscard]] double log_prior(const ClosureGroups& groups, bool called_true);
+
 /// Information that has an inverse, where a closure's leaves directions free.
 [[nodiscard]] Matrix6d bounded_information(const Matrix6d& information);
 

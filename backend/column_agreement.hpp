@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "frontend/core/pose.hpp"
@@ -23,6 +24,15 @@ struct ColumnAgreement {
   bool defined = false;
 };
 
+/// The agreement where the maps were put, against that of places beside: another LiDAR, or years,
+/// lower all of them alike, and a true place stands out still.
+struct ColumnContrast {
+  double here = 0.0;
+  double beside = 0.0;   ///< the highest where one map is moved by 4 to 20 m
+  bool defined = false;  ///< false where the agreement here is not
+  [[nodiscard]] double margin() const { return here - beside; }
+};
+
 class ColumnGrid {
  public:
   /// Columns along `up` (unit vector, map frame) of `T_map_points * points`.
@@ -30,6 +40,7 @@ class ColumnGrid {
 
   /// Both grids in the same frame and with the same `up`.
   [[nodiscard]] ColumnAgreement agreement(const ColumnGrid& other) const;
+  [[nodiscard]] ColumnContrast contrast(const ColumnGrid& other) const;
 
  private:
   struct Column {
@@ -40,6 +51,8 @@ class ColumnGrid {
     [[nodiscard]] bool tall() const;
     [[nodiscard]] bool seen() const;
   };
+  /// Cell and whether it is tall.
+  [[nodiscard]] std::vector<std::pair<Eigen::Vector2i, bool>> seen_columns() const;
 
   VoxelTable index_;
   std::vector<Column> columns_;

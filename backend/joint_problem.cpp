@@ -33,8 +33,9 @@ JointProblem::JointProblem(const std::vector<StoredSession>& sessions,
     const auto first_part = static_cast<int>(parts.size());
     const int first_vertex = maps;
     for (const SessionPart& source : session.parts) {
-      MergedPart part{&source,           s,          maps, scans, 0, fixed == s, source.odometry,
-                      source.trajectory, source.maps};
+      MergedPart part{
+          &source,           s,          maps, scans, 0, fixed == s, 1.0, source.odometry,
+          source.trajectory, source.maps};
       for (const LocalMapRecord& map : part.maps) {
         graph.vertices.push_back({maps++, map.T_world_map, false});
         part_of.push_back(static_cast<int>(parts.size()));
@@ -110,6 +111,7 @@ std::optional<ClosureRecord> JointProblem::try_pair(const PoseGraph& poses, int 
   const std::shared_ptr<StoredMap> r = map(reference);
   VerificationOptions limits = options_.matching.verification;
   limits.min_agreement = options_.revisits.min_agreement;
+  limits.by_contrast = true;
   const ClosureVerification result =
       verify_closure(q->target(), q->points(), r->points(), T_query_reference, limits,
                      options_.matching.registration);

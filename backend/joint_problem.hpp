@@ -2,6 +2,7 @@
 // numbering, access to local maps, solving, and the trial of a pair of maps.
 #pragma once
 
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -38,6 +39,10 @@ class JointProblem {
   [[nodiscard]] std::shared_ptr<StoredMap> map(int vertex);
   [[nodiscard]] const GroundFootprint& footprint(int vertex);
 
+  /// Whether the edge is odometry from one map to the next, not a closure inside a session.
+  [[nodiscard]] bool is_step(const GraphEdge& edge) const {
+    return part_of[edge.from] == part_of[edge.to] && std::abs(edge.from - edge.to) == 1;
+  }
   /// The closure as an edge between vertices.
   [[nodiscard]] GraphEdge edge_of(const ClosureRecord& closure) const;
   /// Share of the smaller map's ground that two maps have in common at the poses of `poses`.

@@ -4,14 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
-
 #include "backend/chain_condensation.hpp"
 #include "backend/closure_groups.hpp"
-#include "backend/gauge.hpp"
-#include "backend/graph_problem.hpp"
+#include "backend/graph_evidence.hpp"
 #include "backend/odometry_tree.hpp"
 #include "backend/pairwise_consistency.hpp"
 
@@ -31,45 +26,6 @@ constexpr double kLogScaleDownward = 0.35;
 constexpr double kSmallest = 0.5;
 constexpr int kScales = 11;
 
-double log_determinant(const Matrix6d& positive) {
-  return positive.ldlt().vectorD().array().log().sum();
-}
-
-// Logarithm of the determinant of the graph's information about its free poses.
-double log_determinant_of_hessian(const PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
-  const std::vector<char> fixed = gauge(graph, connected_components(graph, ends));
-  std::vector<int> slot(fixed.size());
-  int free = 0;
-  for (std::size_t i = 0; i < fixed.size(); ++i) slot[i] = fixed[i] ? -1 : 6 * free++;
-  std::vector<Eigen::Triplet<double, int>> triplets;
-  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    const GraphEdge& edge = graph.edges[k];
-    if (edge.rejected) continue;
-    Matrix6d J_from;
-    Matrix6d J_to;
-    between_residual(graph.vertices[ends[k].from].pose, graph.vertices[ends[k].to].pose,
-                     edge.T_from_to, J_from, J_to);
-    const Matrix6d information =
-        edge.kind == EdgeKind::closure ? bounded_information(edge.information) : edge.information;
-    const auto add = [&](int row, int column, const Matrix6d& block) {
-      if (row < 0 || column < 0) return;
-      for (int c = 0; c < 6; ++c) {
-        for (int r = 0; r < 6; ++r) triplets.emplace_back(row + r, column + c, block(r, c));
-      }
-    };
-    const int a = slot[ends[k].from];
-    const int b = slot[ends[k].to];
-    add(a, a, J_from.transpose() * information * J_from);
-    add(b, b, J_to.transpose() * information * J_to);
-    add(a, b, J_from.transpose() * information * J_to);
-    add(b, a, J_to.transpose() * information * J_from);
-  }
-  Eigen::SparseMatrix<double> H(6 * free, 6 * free);
-  H.setFromTriplets(triplets.begin(), triplets.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(H);
-  return factor.vectorD().array().log().sum();
-}
-
 // Weighs verdicts on one graph with its odometry at one scale.
 class Evidence {
  public:
@@ -77,41 +33,26 @@ class Evidence {
       : graph_(graph),
         ends_(ends),
         odometry_(graph, ends),
-        bound_(chi_square_quantile_6(options.inlier_probability)) {
-    for (const GraphEdge& edge : graph.edges) {
-      if (edge.kind == EdgeKind::odometry) log_determinant_ += log_determinant(edge.information);
-    }
-  }
+        bound_(chi_square_quantile_6(options.inlier_probability)) {}
 
   // Of the closures' measurements, given which are true.
   [[nodiscard]] double of(PoseGraph solved) const {
     std::vector<std::size_t> accepted;
     std::vector<std::size_t> rejected;
     double sum = 0.0;
-    double closures_log_determinant = 0.0;
     for (std::size_t k = 0; k < solved.edges.size(); ++k) {
       GraphEdge& edge = solved.edges[k];
       if (edge.kind != EdgeKind::closure) continue;
       (edge.rejected ? rejected : accepted).push_back(k);
       edge.weight = 1.0;
-      if (!edge.rejected)
-        closures_log_determinant += log_determinant(bounded_information(edge.information));
     }
     if (!accepted.empty()) {
-      GraphProblem problem(solved, ends_, gauge(solved, connected_components(solved, ends_)));
-      problem.solve({50, 1e-6});
-      // The density of residuals r under odometry: their covariance S has
-      // |S| = |Hessian| / (|odometry information| |closure information|).
-      sum += -cost(solved) -
-             0.5 * (log_determinant_of_hessian(solved, ends_) - log_determinant_ -
-                    closures_log_determinant) -
-             3.0 * std::log(2.0 * std::numbers::pi) * static_cast<double>(accepted.size());
-      sum += prior(group(accepted), true);
+      sum += log_marginal_density(std::move(solved), ends_) + log_prior(group(accepted), true);
     }
     const ClosureGroups false_groups = group(rejected);
     for (const double inner : false_groups.inner_log_density)
       sum += inner - std::log(kFalseClosureVolume);
-    return sum + prior(false_groups, false);
+    return sum + log_prior(false_groups, false);
   }
 
  private:
@@ -119,26 +60,10 @@ class Evidence {
     return group_closures(graph_, ends_, odometry_, closures, kNeighbourDistance, bound_);
   }
 
-  // Logarithm of the probability that the groups are what they are called.
-  [[nodiscard]] double prior(const ClosureGroups& groups, bool called_true) const {
-    double sum = 0.0;
-    for (const std::vector<std::size_t>& members : groups.groups) {
-      const double odds = kLogOdds + kLogOddsOfNeighbour * static_cast<double>(members.size() - 1);
-      sum -= std::log1p(std::exp(called_true ? -odds : odds));
-    }
-    return sum;
-  }
-
-  // Of a verified closure before odometry and other closures are asked: one in twenty is false.
-  static constexpr double kLogOdds = 3.0;
-  // What each further member of a group adds to its log-odds: false groups tend to be small.
-  static constexpr double kLogOddsOfNeighbour = 0.5;
-
   const PoseGraph& graph_;
   const std::vector<EdgeEnds>& ends_;
   OdometryTree odometry_;
   double bound_;
-  double log_determinant_ = 0.0;
 };
 
 bool is_one_chain(const PoseGraph& graph, const std::vector<EdgeEnds>& ends) {

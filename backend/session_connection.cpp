@@ -1,11 +1,14 @@
 #include "backend/session_connection.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
+#include "backend/connection_scale.hpp"
 #include "backend/graph_chains.hpp"
 
 namespace groundloop {
@@ -25,6 +28,7 @@ struct Proposal {
   Pose T_x_y;
   int rival = 0;  // closures of the largest set that claims another alignment
   int inliers = 0;
+  double scale_x = 1.0, scale_y = 1.0;  // of what the frames' odometries are taken to err
 };
 
 struct Ends {
@@ -41,73 +45,58 @@ Ends ends_of(const JointProblem& problem, int closure, int y) {
   return {query, reference, inverse(T_query_reference)};
 }
 
-// The alignment of the closure that all others of the set agree with best.
-Pose alignment_of(const JointProblem& problem, const std::vector<int>& set, int y) {
-  std::vector<Eigen::Vector3d> in_y;
-  std::vector<Pose> T_x_y;
-  std::vector<Eigen::Vector3d> in_x;
-  for (const int k : set) {
-    const Ends ends = ends_of(problem, k, y);
-    const Pose& P_y = problem.graph.vertices[ends.in_y].pose;
-    const Pose P_x = problem.graph.vertices[ends.in_x].pose * ends.T_y_x.T_from_to.inverse();
-    in_y.push_back(P_y.translation);
-    in_x.push_back(P_x.translation);
-    T_x_y.push_back(P_x * P_y.inverse());
-  }
-  std::size_t best = 0;
-  double least = -1.0;
-  for (std::size_t k = 0; k < set.size(); ++k) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < set.size(); ++i) sum += (T_x_y[k] * in_y[i] - in_x[i]).norm();
-    if (least >= 0.0 && sum >= least) continue;
-    least = sum;
-    best = k;
-  }
-  return T_x_y[best];
+// Whether two alignments differ, as seen from `at` in y.
+bool rivals(const Pose& T_x_y, const Pose& other, const Eigen::Vector3d& at) {
+  return rotation_angle((T_x_y.inverse() * other).rotation) > kRivalAngle ||
+         (other * at - T_x_y * at).norm() > kRivalDistance;
 }
 
-bool rivals(const JointProblem& problem, const Proposal& proposal, const std::vector<int>& other) {
-  const Pose T = alignment_of(problem, other, proposal.y);
-  const Pose apart = proposal.T_x_y.inverse() * T;
-  if (rotation_angle(apart.rotation) > kRivalAngle) return true;
-  const Ends ends = ends_of(problem, other.front(), proposal.y);
-  const Eigen::Vector3d at = problem.graph.vertices[ends.in_y].pose.translation;
-  return (T * at - proposal.T_x_y * at).norm() > kRivalDistance;
+// The two frames alone, what is step and what is closure in them told apart.
+FramePair pair_of(const JointProblem& problem, int x, int y) {
+  FramePair pair{problem.graph, {}};
+  std::erase_if(pair.graph.edges, [&](const GraphEdge& edge) {
+    const int frame = problem.frame_of(edge.from);
+    return frame != x && frame != y;
+  });
+  for (GraphEdge& edge : pair.graph.edges)
+    edge.kind = problem.is_step(edge) ? EdgeKind::odometry : EdgeKind::closure;
+  for (std::size_t v = 0; v < problem.part_of.size(); ++v)
+    pair.in_y.push_back(problem.frame_of(static_cast<int>(v)) == y);
+  return pair;
 }
 
 // The largest consistent set between two frames; empty where no closures are left.
 Proposal propose(const JointProblem& problem, int x, int y, const MergeOptions& options) {
-  Proposal proposal{x, y, {}, {}, 0, 0};
-  std::vector<int> between;
+  Proposal proposal{x, y, {}, {}};
+  std::vector<int> closures;
+  std::vector<PairwiseClosure> between;
   for (std::size_t k = 0; k < problem.closures.size(); ++k) {
     const ClosureRecord& c = problem.closures[k];
     if (c.status != ClosureStatus::accepted) continue;
     const int q = problem.frame_of(problem.query_vertex(c));
     const int r = problem.frame_of(problem.reference_vertex(c));
-    if ((q == x && r == y) || (q == y && r == x)) between.push_back(static_cast<int>(k));
+    if (!((q == x && r == y) || (q == y && r == x))) continue;
+    closures.push_back(static_cast<int>(k));
+    const Ends ends = ends_of(problem, closures.back(), y);
+    between.push_back({ends.in_y, ends.in_x, ends.T_y_x});
   }
   if (between.empty()) return proposal;
-  std::vector<PairwiseClosure> pairwise;
-  std::vector<int> sources;
-  for (const int k : between) {
-    const Ends ends = ends_of(problem, k, y);
-    pairwise.push_back({ends.in_y, ends.in_x, ends.T_y_x});
-    sources.push_back(ends.in_x);
-    sources.push_back(ends.in_y);
+  const FramePair pair = pair_of(problem, x, y);
+  const ConnectionTrial best = options.connection.estimate_scale
+                                   ? best_connection(pair, between, options.consistency)
+                                   : connection_at(pair, between, 1.0, 1.0, options.consistency);
+  proposal.scale_x = best.scale_x;
+  proposal.scale_y = best.scale_y;
+  proposal.T_x_y = alignment_of(pair.graph, between, best.found.sets.front());
+  for (const int i : best.found.sets.front()) {
+    proposal.set.push_back(closures[i]);
+    proposal.inliers += problem.closures[closures[i]].inliers;
   }
-  const GraphChains chains(problem.graph, sources);
-  const ChainFunction chain = [&](int from, int to) { return chains.between(from, to); };
-  const ConsistentSets found = consistent_sets(pairwise, chain, chain, options.consistency);
-  for (std::size_t s = 0; s < found.sets.size(); ++s) {
-    std::vector<int> set;
-    for (const int i : found.sets[s]) set.push_back(between[i]);
-    if (s == 0) {
-      proposal.set = std::move(set);
-      proposal.T_x_y = alignment_of(problem, proposal.set, y);
-      for (const int k : proposal.set) proposal.inliers += problem.closures[k].inliers;
-    } else if (rivals(problem, proposal, set)) {
+  for (const std::vector<int>& set : best.found.sets) {
+    const Eigen::Vector3d at =
+        pair.graph.vertices[between[static_cast<std::size_t>(set.front())].from].pose.translation;
+    if (rivals(proposal.T_x_y, alignment_of(pair.graph, between, set), at))
       proposal.rival = std::max(proposal.rival, static_cast<int>(set.size()));
-    }
   }
   return proposal;
 }
@@ -190,6 +179,20 @@ void refuse(JointProblem& problem, const Proposal& proposal, const std::string& 
   for (const int k : proposal.set) problem.closures[k].status = ClosureStatus::inconsistent;
 }
 
+// What the connection holds of the frames' odometries, or nothing where they are as stated.
+std::string scales_in_words(const JointProblem& problem, const Proposal& proposal) {
+  std::string text;
+  for (const auto& [frame, scale] :
+       {std::pair(proposal.x, proposal.scale_x), std::pair(proposal.y, proposal.scale_y)}) {
+    if (scale == 1.0) continue;
+    std::array<char, 32> factor{};
+    std::snprintf(factor.data(), factor.size(), "%.1f", scale);
+    text += "; the odometry of " + problem.frame_name(frame) + " errs " + factor.data() +
+            " times as much as it says";
+  }
+  return text;
+}
+
 // Brings frame y to x, solves both together and keeps that if it passes the test.
 void try_connection(JointProblem& problem, const Proposal& proposal, const MergeOptions& options,
                     const Progress& progress) {
@@ -201,6 +204,12 @@ void try_connection(JointProblem& problem, const Proposal& proposal, const Merge
   for (std::size_t v = 0; v < trial.vertices.size(); ++v) {
     if (problem.frame_of(static_cast<int>(v)) == moving)
       trial.vertices[v].pose = move * trial.vertices[v].pose;
+  }
+  for (GraphEdge& edge : trial.edges) {
+    const int frame = problem.frame_of(edge.from);
+    if (!problem.is_step(edge) || (frame != proposal.x && frame != proposal.y)) continue;
+    const double scale = frame == proposal.x ? proposal.scale_x : proposal.scale_y;
+    edge.information /= scale * scale;
   }
   for (const int k : proposal.set) trial.edges.push_back(problem.edge_of(problem.closures[k]));
   // Only `staying` has a gauge of its own; the other is joined to it by the closures.
@@ -223,9 +232,12 @@ void try_connection(JointProblem& problem, const Proposal& proposal, const Merge
   }
   problem.notes.push_back(problem.frame_name(moving) + " connected to " +
                           problem.frame_name(staying) + " by " +
-                          std::to_string(proposal.set.size()) + " closures that agree; " + tested);
+                          std::to_string(proposal.set.size()) + " closures that agree; " + tested +
+                          scales_in_words(problem, proposal));
   spdlog::info("{}", problem.notes.back());
   for (MergedPart& part : problem.parts) {
+    if (part.frame == proposal.x) part.odometry_scale *= proposal.scale_x;
+    if (part.frame == proposal.y) part.odometry_scale *= proposal.scale_y;
     if (part.frame == moving) part.frame = staying;
   }
   for (ClosureRecord& record : test.found) {

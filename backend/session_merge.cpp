@@ -186,9 +186,14 @@ void check_frames(JointProblem& problem, const std::vector<int>& frames_before,
                             "': the joint solution contradicts the closures between them");
     spdlog::warn("{}", problem.notes.back());
     part.frame = frames_before[p];
+    part.odometry_scale = 1.0;
     const auto first = static_cast<std::size_t>(part.first_map);
     for (std::size_t m = 0; m < part.maps.size(); ++m)
       problem.graph.vertices[first + m].pose = before.vertices[first + m].pose;
+    for (std::size_t k = 0; k < before.edges.size(); ++k) {
+      if (problem.part_of[before.edges[k].from] == static_cast<int>(p))
+        problem.graph.edges[k].information = before.edges[k].information;
+    }
   }
 }
 

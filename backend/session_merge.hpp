@@ -25,6 +25,7 @@ struct ConnectionOptions {
   double min_predicted_overlap = 0.5;
   int max_trials = 12;
   double min_confirmed = 0.5;
+  bool estimate_scale = true;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -41,6 +42,10 @@ struct ConnectionOptions {
     field("max_trials", self.max_trials, Range{0, 10000}, "", "pairs tried to test a connection");
     field("min_confirmed", self.min_confirmed, Range{0.0, 1.0}, "",
           "share of the tested pairs, the set's own among them, that registration must confirm");
+    field("estimate_scale", self.estimate_scale, OnOff{}, "",
+          "where closures between two sessions do not all agree, ask them how much more the "
+          "odometries "
+          "err than the sessions say; a session that met no place twice could not tell");
   }
 };
 
@@ -60,6 +65,8 @@ struct MergedPart {
   std::size_t first_scan = 0;
   int frame = 0;  ///< the recording in whose frame its poses are; its own number: its own frame
   bool fixed = false;  ///< held as the reference map
+  /// Of its odometry's standard deviations, over what its session says; found while connecting.
+  double odometry_scale = 1.0;
   Trajectory odometry, trajectory;
   std::vector<LocalMapRecord> maps;  ///< numbered in the recording, poses in the frame
 };

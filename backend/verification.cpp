@@ -60,6 +60,7 @@ ClosureVerification verify_closure(const RegistrationTarget& query_target, const
     return result;
   }
   ColumnAgreement agreement;
+  std::optional<ColumnContrast> contrast;
   // The two judges are independent and each walks over all points in order.
   parallel_for(2, 1, [&](std::size_t judge) {
     if (judge == 0) {
@@ -67,15 +68,19 @@ ClosureVerification verify_closure(const RegistrationTarget& query_target, const
     } else {
       const ColumnGrid columns(reference, icp.T_target_source, query_target.up());
       agreement = query_target.columns().agreement(columns);
+      if (verification.by_contrast && agreement.correlation < verification.min_agreement)
+        contrast = query_target.columns().contrast(columns);
     }
   });
   result.agreement = agreement.correlation;
+  if (contrast && contrast->defined) result.contrast = contrast->margin();
   const double min_overlap =
       agreement.defined ? verification.min_overlap : verification.min_overlap_without_structure;
   result.status = ClosureStatus::low_overlap;
   if (result.overlap < min_overlap) {
     result.reason = below("overlap", result.overlap, min_overlap);
-  } else if (agreement.defined && agreement.correlation < verification.min_agreement) {
+  } else if (agreement.defined && agreement.correlation < verification.min_agreement &&
+             result.contrast.value_or(-1.0) < verification.min_contrast) {
     result.reason =
         below("agreement of tall structure", agreement.correlation, verification.min_agreement);
   } else {

@@ -234,6 +234,40 @@ TEST_F(SessionMerge, RefusesTwoRecordingsOfOneName) {
   EXPECT_THROW((void)merge_sessions(s, {}, std::nullopt, options(), {}), InputError);
 }
 
+TEST_F(SessionMerge, JoinsASessionWhoseOdometryErrsMoreThanItSays) {
+  std::vector<StoredSession> s{session("a", 0), session("b", 12)};
+  // b turns by 2.5 degrees too much in each map, which states 0.18.
+  SessionPart& b = s[1].parts[0];
+  for (std::size_t i = 1; i < b.trajectory.size(); ++i) {
+    const Pose step = b.odometry[i - 1].pose.inverse() * b.odometry[i].pose;
+    b.trajectory[i].pose =
+        b.trajectory[i - 1].pose * step * planar(0.0, 0.0, 2.5 / kScansOfAMap * M_PI / 180.0);
+  }
+  b.odometry = b.trajectory;
+  for (int m = 0; m < kMaps; ++m) {
+    b.maps[m].T_world_map = b.trajectory[b.maps[m].first_scan].pose;
+    s[1].graph.vertices[m].pose = b.maps[m].T_world_map;
+    if (m > 0)
+      s[1].graph.edges[m - 1].T_from_to =
+          b.maps[m - 1].T_world_map.inverse() * b.maps[m].T_world_map;
+  }
+  std::vector<ClosureRecord> closures;
+  for (int q = 0; q < 5; ++q) closures.push_back(closure("a", q + 3, "b", q));
+  MergeOptions as_stated = options();
+  as_stated.connection.estimate_scale = false;
+  const std::vector<PairMatches> given{matches(s[0], s[1], closures)};
+  EXPECT_LT(merge_sessions(s, given, std::nullopt, as_stated, {}).pairs[0].accepted, 5U);
+  const MergeResult result = merge_sessions(s, given, std::nullopt, options(), {});
+  EXPECT_EQ(result.parts[1].frame, 0);
+  EXPECT_EQ(result.pairs[0].accepted, 5U);
+  EXPECT_GT(result.parts[0].odometry_scale * result.parts[1].odometry_scale, 2.0);
+  EXPECT_NE(result.notes[0].find("times as much as it says"), std::string::npos);
+  for (int q = 0; q < 5; ++q) {
+    const Pose expected = true_pose(0, 0).inverse() * true_pose(q * kScansOfAMap, 12);
+    EXPECT_LT((result.parts[1].maps[q].T_world_map.translation - expected.translation).norm(), 0.3);
+  }
+}
+
 TEST_F(SessionMerge, MatchesFileReadsBackTheSame) {
   std::vector<StoredSession> s{session("a,\"1\"", 0), session("b", 12)};
   ClosureRecord c = closure("a,\"1\"", 3, "b", 0);

@@ -77,6 +77,41 @@ TEST(ColumnAgreement, IsUndefinedWithoutBothKinds) {
   EXPECT_FALSE(field.agreement(field).defined);
 }
 
+// Two kinds at random, the same for the same place.
+bool any(int i, int j) {
+  return ((static_cast<unsigned>(i) * 73856093U ^ static_cast<unsigned>(j) * 19349663U) *
+              2654435761U >>
+          16U) %
+             2U ==
+         0U;
+}
+
+TEST(ColumnContrast, TellsAPlaceFromThoseBesideThoughASensorMissesHalfOfIt) {
+  const ColumnGrid place = grid(60, any);
+  const ColumnGrid poorly = grid(60, [](int i, int j) { return any(i, j) && any(j + 500, i); });
+  // A quarter tall against a half, all of them among the half: phi is sqrt(1/3).
+  EXPECT_NEAR(place.agreement(poorly).correlation, std::sqrt(1.0 / 3.0), 0.05);
+  const ColumnContrast contrast = place.contrast(poorly);
+  ASSERT_TRUE(contrast.defined);
+  EXPECT_DOUBLE_EQ(contrast.here, place.agreement(poorly).correlation);
+  // Unrelated columns correlate by chance only: 1 / sqrt(1600) at the smallest overlap.
+  EXPECT_LT(contrast.beside, 5.0 / 40.0);
+}
+
+TEST(ColumnContrast, IsNoneWhereTheStructureRepeats) {
+  const ColumnGrid rows = grid(60, [](int i, int) { return i % 5 == 0; });
+  EXPECT_DOUBLE_EQ(rows.contrast(rows).here, 1.0);
+  EXPECT_DOUBLE_EQ(rows.contrast(rows).beside, 1.0);
+}
+
+TEST(ColumnContrast, FindsTheBetterPlaceBeside) {
+  const ColumnGrid place = grid(60, any);
+  const ColumnGrid moved = grid(60, [](int i, int j) { return any(i - 7, j + 3); });
+  const ColumnContrast contrast = place.contrast(moved);
+  EXPECT_DOUBLE_EQ(contrast.beside, 1.0);
+  EXPECT_LT(contrast.margin(), -0.8);
+}
+
 class Verification : public ::testing::Test {
  protected:
   RegistrationOptions registration_;
@@ -109,6 +144,24 @@ TEST_F(Verification, RejectsAnotherStreetOfTheSameKind) {
 }
 
 TEST_F(Verification, RejectsAPlaceSideways) {
+  for (const double shift : {-20.0, -10.0, 10.0, 20.0}) {
+    const ClosureVerification result =
+        verify_closure(target_, query_, street_.sample(60000, 0.02, 2), shifted(shift, 0, 0),
+                       options_, registration_);
+    EXPECT_TRUE(result.status != ClosureStatus::accepted ||
+                result.T_query_reference.translation.norm() < 0.1)
+        << shift;
+  }
+}
+
+TEST_F(Verification, ByContrastStillRejectsOtherStreetsAndPlacesSideways) {
+  options_.by_contrast = true;
+  for (const std::uint32_t seed : {2U, 3U, 4U, 5U, 6U, 7U}) {
+    const ClosureVerification result = verify_closure(
+        target_, query_, StreetScene(seed).sample(60000, 0.02, 2), Pose(), options_, registration_);
+    EXPECT_NE(result.status, ClosureStatus::accepted)
+        << "agreement " << result.agreement << " contrast " << result.contrast.value_or(-1.0);
+  }
   for (const double shift : {-20.0, -10.0, 10.0, 20.0}) {
     const ClosureVerification result =
         verify_closure(target_, query_, street_.sample(60000, 0.02, 2), shifted(shift, 0, 0),

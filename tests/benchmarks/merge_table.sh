@@ -33,7 +33,9 @@ name, sessions, out = sys.argv[1:]
 m = json.load(open(out + "/metrics.json"))
 truth = m.get("closures_against_ground_truth")
 joined = sum(1 for p in m["pairs"] if p["one_frame"])
-cells = [name, sessions, f"{joined} of {len(m['pairs'])}",
+drifts = [s["odometry_drift"] for s in m["sessions"].values()]
+drift = ", ".join(f"{d['kitti_translation_percent']:.2f} / {d['end_error_percent']:.2f}" if d else "" for d in drifts)
+cells = [name, sessions, drift, f"{joined} of {len(m['pairs'])}",
          f"{m['closures']['between_sessions']['candidates']}",
          f"{m['closures']['between_sessions']['accepted']}",
          f"{truth['precision']:.2f}" if truth else "",
@@ -62,8 +64,8 @@ session elsewhere "sim:town?length=$length&seed=$((seed + 4))&sensor=spin64"
 session bridge "sim:bridge?length=$length&seed=1&sensor=spin32"
 session other_bridge "sim:bridge?length=$length&seed=5&sensor=spin32"
 
-echo "| case | sessions | pairs joined | candidates | accepted | precision | median error of closures | APE by the reference's alignment, m | joint APE, m | s |"
-echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+echo "| case | sessions | drift of odometry, % | pairs joined | candidates | accepted | precision | median error of closures | APE by the reference's alignment, m | joint APE, m | s |"
+echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 row "same sensor, changed world, other route" spin64 changed
 row "64 beams, 128 beams" spin64 spin128
 row "spinning, raster" spin64 raster
