@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backend/closure_anchor.hpp"
 #include "frontend/core/error.hpp"
 
 namespace groundloop {
@@ -88,8 +89,18 @@ const GroundFootprint& JointProblem::footprint(int vertex) {
   return *footprints_[vertex];
 }
 
+Pose JointProblem::between_origins(const ClosureRecord& c) const {
+  const MergedPart& reference = parts[part_of[reference_vertex(c)]];
+  const MergedPart& query = parts[part_of[query_vertex(c)]];
+  const LocalMapRecord& r = reference.maps[c.reference_map];
+  const LocalMapRecord& q = query.maps[c.query_map];
+  const ClosureAnchor anchor =
+      anchor_closure(c.T_query_reference, r, reference.odometry, q, query.odometry);
+  return carried_to_origins(anchor, r, reference.source->trajectory, q, query.source->trajectory);
+}
+
 GraphEdge JointProblem::edge_of(const ClosureRecord& c) const {
-  return {query_vertex(c), reference_vertex(c), c.T_query_reference, c.information,
+  return {query_vertex(c), reference_vertex(c), between_origins(c), c.information,
           EdgeKind::closure};
 }
 

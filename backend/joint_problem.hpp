@@ -43,6 +43,9 @@ class JointProblem {
   [[nodiscard]] bool is_step(const GraphEdge& edge) const {
     return part_of[edge.from] == part_of[edge.to] && std::abs(edge.from - edge.to) == 1;
   }
+  /// The closure between the maps' first scans: as it is where the maps meet, and along the
+  /// sessions' own solutions, which bent the maps' odometry, from there.
+  [[nodiscard]] Pose between_origins(const ClosureRecord& closure) const;
   /// The closure as an edge between vertices.
   [[nodiscard]] GraphEdge edge_of(const ClosureRecord& closure) const;
   /// Share of the smaller map's ground that two maps have in common at the poses of `poses`.

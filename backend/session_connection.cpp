@@ -38,7 +38,7 @@ struct Ends {
 
 Ends ends_of(const JointProblem& problem, int closure, int y) {
   const ClosureRecord& c = problem.closures[closure];
-  const RelativePose T_query_reference{c.T_query_reference, c.information.inverse()};
+  const RelativePose T_query_reference{problem.between_origins(c), c.information.inverse()};
   const int query = problem.query_vertex(c);
   const int reference = problem.reference_vertex(c);
   if (problem.frame_of(query) == y) return {reference, query, T_query_reference};
