@@ -257,7 +257,7 @@ Levelling level_odometry(const Trajectory& odometry, const std::vector<LocalMapR
   Scales scales;
   Solution solution;
   for (int i = 0; i < kReweightings; ++i) {
-    scales = find_scales(nodes);
+    if (i % 2 == 0) scales = find_scales(nodes);
     solution = solve(nodes, scales);
     if (!solution.found) return result;
     reweight(solution, scales.scatter, nodes);

@@ -12,7 +12,8 @@ recordings=${RECORDINGS:-"town_64=sim:town?sensor=spin64&length=1000&seed=1
 town_32=sim:town?sensor=spin32&length=1000&seed=3
 town_16=sim:town?sensor=spin16&length=1000&seed=3
 bridge_32=sim:bridge?sensor=spin32&length=1600&seed=7
-town_64_long=sim:town?sensor=spin64&length=3000&seed=2"}
+town_64_quiet=sim:town?sensor=spin64&noise=0.3&length=3000&seed=12
+town_16_long=sim:town?sensor=spin16&length=16000&seed=3"}
 mkdir -p "$work"
 {
   [ -z "$drive" ] || echo "real_drive=$drive"

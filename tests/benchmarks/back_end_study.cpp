@@ -65,15 +65,17 @@ struct Study {
 
   // One row of the table.
   void solve(const char* name, std::vector<ClosureRecord> records, MapStore& store, bool robust,
-             bool revisits, bool list) {
+             bool revisits, bool list, bool level = true) {
     OptimizerOptions optimizer = config.slam.pose_graph;
     optimizer.robust = robust;
     RevisitOptions more = config.slam.revisits;
     more.enabled = revisits;
     OdometryInformationOptions drift = config.slam.odometry_information;
     drift.estimate_scale = drift.estimate_scale && robust;
+    LevellingOptions levelling = config.slam.levelling;
+    levelling.enabled = levelling.enabled && level;
     const SolverInput input{part.odometry,
-                            config.slam.levelling,
+                            levelling,
                             drift,
                             optimizer,
                             more,
@@ -166,13 +168,15 @@ int run(int count, char** arguments) {
   std::printf(
       "| variant | closures | false | APE, m | odometry scale | mean NEES | median NEES |\n| --- | "
       "--- | --- | --- | --- | --- | --- |\n");
-  study.solve("no closures", {}, store, false, false, false);
+  study.solve("odometry", {}, store, false, false, false, false);
+  study.solve("odometry, levelled", {}, store, false, false, false);
   study.solve("detector only", study.closures(store, false), store, false, false, false);
   const std::vector<ClosureRecord> verified = study.closures(store, true);
   std::vector<ClosureRecord> unverified = study.closures(store, false);
   study.solve("detector and robust", unverified, store, true, false, false);
   study.solve("verified, not robust", verified, store, false, false, false);
   study.solve("verified and robust", verified, store, true, false, list);
+  study.solve("all, not levelled", verified, store, true, true, false, false);
   study.solve("all", verified, store, true, true, list);
   const PlantedClosureOptions& planted = config.slam.planted_closures;
   if (planted.random + planted.groups + planted.near > 0) {
