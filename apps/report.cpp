@@ -293,8 +293,8 @@ std::string closures(const ReportInput& input) {
   if (!rows.empty()) html += table(columns, rows);
   if (judged) {
     html += note(
-        "Errors are those of the row's pose against the ground truth's; the latter is itself "
-        "no better than its source.");
+        "Errors are those of the row's pose against the ground truth's, where the two maps meet; "
+        "the latter is itself no better than its source.");
   }
   if (!input.precision_recall.empty()) {
     Plot plot{"Precision and recall of the detector", "recall", "precision", false, true, {}, {}};

@@ -20,9 +20,9 @@ struct ReportClosure {
   int matches = 0, inliers = 0;
   std::string status;
   std::optional<double> overlap, rmse_m;
-  /// Of T_query_reference against ground truth.
+  /// Of the closure against ground truth, at the scans that met.
   std::optional<double> error_m, error_deg;
-  /// Of the two maps' origins in the optimised trajectory (world, m).
+  /// Of the two scans that met, or of the maps' origins, in the optimised trajectory (world, m).
   Eigen::Vector3d reference_position = Eigen::Vector3d::Zero();
   Eigen::Vector3d query_position = Eigen::Vector3d::Zero();
 };

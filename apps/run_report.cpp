@@ -1,9 +1,11 @@
 #include "apps/run_report.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "apps/report.hpp"
+#include "backend/closure_anchor.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -14,21 +16,19 @@ std::string fixed(double value, int decimals) {
   return buffer.data();
 }
 
-// T_world_scan of the ground truth at the first scan of each map, where it has a pose at that
-// scan's stamp.
-std::vector<std::optional<Pose>> true_map_poses(const SlamResult& result,
-                                                const Trajectory& ground_truth,
-                                                const std::optional<RunEvaluation>& evaluation) {
+// T_world_scan of the ground truth at each scan that has a pose at its stamp.
+std::vector<std::optional<Pose>> true_poses(const SlamResult& result,
+                                            const Trajectory& ground_truth,
+                                            const std::optional<RunEvaluation>& evaluation) {
   std::vector<std::optional<Pose>> by_scan(result.odometry.size());
   if (evaluation) {
     for (const auto& [scan, truth] : evaluation->optimised.pairs)
       by_scan[scan] = ground_truth[truth].pose;
   }
-  std::vector<std::optional<Pose>> poses;
-  for (const LocalMapRecord& map : result.maps) poses.push_back(by_scan[map.first_scan]);
-  return poses;
+  return by_scan;
 }
 
+// Shown and judged at the scans that met.
 ReportClosure report_closure(const ClosureRecord& c, const SlamResult& result,
                              const std::vector<std::optional<Pose>>& truth) {
   ReportClosure row;
@@ -40,11 +40,15 @@ ReportClosure report_closure(const ClosureRecord& c, const SlamResult& result,
   row.status = to_string(c.status);
   row.overlap = c.overlap;
   row.rmse_m = c.rmse;
-  row.reference_position = result.maps[c.reference_map].T_world_map.translation;
-  row.query_position = result.maps[c.query_map].T_world_map.translation;
-  if (truth[c.reference_map] && truth[c.query_map]) {
-    const Pose expected = truth[c.query_map]->inverse() * *truth[c.reference_map];
-    const Pose error = expected.inverse() * c.T_query_reference;
+  const ClosureAnchor anchor =
+      anchor_closure(c.T_query_reference, result.maps[c.reference_map], result.odometry,
+                     result.maps[c.query_map], result.odometry);
+  const Trajectory& trajectory = result.solution.trajectory;
+  row.reference_position = trajectory[anchor.reference_scan].pose.translation;
+  row.query_position = trajectory[anchor.query_scan].pose.translation;
+  if (truth[anchor.reference_scan] && truth[anchor.query_scan]) {
+    const Pose expected = truth[anchor.query_scan]->inverse() * *truth[anchor.reference_scan];
+    const Pose error = expected.inverse() * anchor.T_query_reference;
     row.error_m = error.translation.norm();
     row.error_deg = rotation_angle(error.rotation) * 180.0 / M_PI;
   }
@@ -90,7 +94,7 @@ std::string make_run_report(const Recording& recording, const Config& config,
   input.title = info.path;
   input.facts = {{"groundloop", GROUNDLOOP_VERSION},
                  {"format", info.format},
-                 {"sensor", info.sensor},
+                 {"sensor", info.sensor.empty() ? "not stated" : info.sensor},
                  {"scans", std::to_string(result.odometry.size())},
                  {"path", fixed(path_length(result.solution.trajectory), 0) + " m"},
                  {"local maps", std::to_string(result.maps.size())},
@@ -116,7 +120,7 @@ std::string make_run_report(const Recording& recording, const Config& config,
     input.odometry_evaluation = evaluation->odometry;
     input.optimised_evaluation = evaluation->optimised;
   }
-  const std::vector<std::optional<Pose>> truth = true_map_poses(result, ground_truth, evaluation);
+  const std::vector<std::optional<Pose>> truth = true_poses(result, ground_truth, evaluation);
   for (const ClosureRecord& closure : result.closures)
     input.closures.push_back(report_closure(closure, result, truth));
   input.tables.push_back(pose_graph_table(result.solution));
