@@ -343,11 +343,19 @@ std::string rest(const ReportInput& input) {
     html += table({"stage", "seconds"}, rows);
   }
   if (!input.images.empty()) {
-    html += heading("Density images");
+    html += heading("Density images of closures") +
+            note(
+                "Seen from above in the ground frame of the reference map: the reference, the "
+                "query brought there by the closure's pose, and both. Dark is much structure; in "
+                "the third, orange is the reference alone, blue the query alone, dark where they "
+                "agree.");
     for (const ReportImage& image : input.images) {
-      html += "<img alt=\"" + escape_html(image.caption) + "\" title=\"" +
-              escape_html(image.caption) + "\" src=\"data:image/png;base64," + base64(image.png) +
-              "\">";
+      html += "<figure><figcaption>" + escape_html(image.caption) + "</figcaption>";
+      for (const std::vector<std::byte>& png : image.pngs) {
+        html += "<img alt=\"" + escape_html(image.caption) + "\" src=\"data:image/png;base64," +
+                base64(png) + "\">";
+      }
+      html += "</figure>\n";
     }
   }
   if (!input.configuration.empty()) {

@@ -34,9 +34,10 @@ struct ReportTable {
   std::vector<std::vector<std::string>> rows;
 };
 
+/// Pictures in a row under one caption.
 struct ReportImage {
   std::string caption;
-  std::vector<std::byte> png;
+  std::vector<std::vector<std::byte>> pngs;
 };
 
 struct PrecisionRecallPoint {

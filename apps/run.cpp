@@ -226,7 +226,7 @@ void run_recording(const RunRequest& request, const Context& context) {
                         manifest_document(session, *recording, result, "complete").dump(2) + "\n");
   write_text_atomically(
       session.file("report.html"),
-      make_run_report(*recording, request.config, result, ground_truth, evaluation));
+      make_run_report(*recording, request.config, result, ground_truth, evaluation, session));
   log_summary(result, evaluation);
   spdlog::info("report: {}", session.file("report.html").string());
 }

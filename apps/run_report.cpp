@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/closure_pictures.hpp"
 #include "apps/report.hpp"
 #include "backend/closure_anchor.hpp"
+#include "frontend/core/pcd.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -88,7 +90,8 @@ ReportTable map_quality_table(const MapQuality& quality) {
 
 std::string make_run_report(const Recording& recording, const Config& config,
                             const SlamResult& result, const Trajectory& ground_truth,
-                            const std::optional<RunEvaluation>& evaluation) {
+                            const std::optional<RunEvaluation>& evaluation,
+                            const SessionFolder& session) {
   const RecordingInfo& info = recording.info();
   ReportInput input;
   input.title = info.path;
@@ -123,6 +126,8 @@ std::string make_run_report(const Recording& recording, const Config& config,
   const std::vector<std::optional<Pose>> truth = true_poses(result, ground_truth, evaluation);
   for (const ClosureRecord& closure : result.closures)
     input.closures.push_back(report_closure(closure, result, truth));
+  const auto points = [&](int map) { return read_pcd(session.local_map(map)); };
+  input.images = closure_pictures(result.closures, points, config.slam.loop_closure);
   input.tables.push_back(pose_graph_table(result.solution));
   if (result.solution.map_quality.pairs > 0)
     input.tables.push_back(map_quality_table(result.solution.map_quality));

@@ -10,9 +10,11 @@
 
 namespace groundloop::apps {
 
-/// The page report.html. `ground_truth` may be empty.
+/// The page report.html. `ground_truth` may be empty. Pictures are made of the local maps in
+/// `session`.
 [[nodiscard]] std::string make_run_report(const Recording& recording, const Config& config,
                                           const SlamResult& result, const Trajectory& ground_truth,
-                                          const std::optional<RunEvaluation>& evaluation);
+                                          const std::optional<RunEvaluation>& evaluation,
+                                          const SessionFolder& session);
 
 }  // namespace groundloop::apps

@@ -49,7 +49,7 @@ ReportInput filled() {
   input.precision_recall = {{3, 0.5, 0.9}, {6, 1.0, 0.7}};
   input.tables = {{"Map quality", "entropy", {"", "before"}, {{"mean", "0.1"}}}};
   input.timing_s = {{"odometry", 1.5}, {"total", 1.2}};
-  input.images = {{"map 9", {std::byte{'M'}, std::byte{'a'}, std::byte{'n'}, std::byte{'!'}}}};
+  input.images = {{"map 9", {{std::byte{'M'}, std::byte{'a'}, std::byte{'n'}, std::byte{'!'}}}}};
   input.configuration = "odometry:\n  voxel_size: 1\n";
   return input;
 }
