@@ -247,7 +247,7 @@ GroundAlignment align_to_ground(const Points& map_points, const GroundAlignmentO
   std::vector<Eigen::Vector3d> ground;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::uint32_t i : best.ground) {
-    ground.push_back(voxels.means()[i].cast<double>());
+    ground.emplace_back(voxels.means()[i].cast<double>());
     mean += ground.back();
   }
   mean /= static_cast<double>(ground.size());

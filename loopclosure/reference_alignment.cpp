@@ -23,7 +23,7 @@ constexpr std::size_t kGlanceStride = 32;
 // x, y, z in cells, 21 bits each; x varies fastest, so that neighbours along x have keys in a row.
 std::uint64_t cell_key(int x, int y, int z) {
   constexpr int kOffset = 1 << 20;
-  const auto bits = [](int c) { return static_cast<std::uint64_t>(c + kOffset); };
+  const auto bits = [](std::int64_t c) { return static_cast<std::uint64_t>(c + kOffset); };
   return (bits(z) << 42) | (bits(y) << 21) | bits(x);
 }
 

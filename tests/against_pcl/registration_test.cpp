@@ -19,7 +19,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 Cloud::Ptr downsampled(const Points& points, float voxel) {
   const Cloud::Ptr cloud(new Cloud);
   for (const Eigen::Vector3f& p : points) cloud->emplace_back(p.x(), p.y(), p.z());
-  const Cloud::Ptr result(new Cloud);
+  Cloud::Ptr result(new Cloud);
   pcl::VoxelGrid<pcl::PointXYZ> filter;
   filter.setLeafSize(voxel, voxel, voxel);
   filter.setInputCloud(cloud);
