@@ -51,7 +51,12 @@ struct Picture {
   [[nodiscard]] int at(const Eigen::Vector2i& cell) const {
     const Eigen::Vector2i p = cell - origin;
     if ((p.array() < 0).any() || (p.array() >= size.array()).any()) return -1;
-    return kind[static_cast<std::size_t>(p.y() * size.x() + p.x())];
+    return kind[index(p)];
+  }
+  // Of a cell that lies inside, `p` cells from the origin.
+  [[nodiscard]] std::size_t index(const Eigen::Vector2i& p) const {
+    return static_cast<std::size_t>(p.y()) * static_cast<std::size_t>(size.x()) +
+           static_cast<std::size_t>(p.x());
   }
 };
 
@@ -64,11 +69,11 @@ Picture picture_of(const std::vector<std::pair<Eigen::Vector2i, bool>>& columns)
     high = high.cwiseMax(cell);
   }
   picture.size = (high - picture.origin).array().min(kWidest - 1) + 1;
-  picture.kind.assign(static_cast<std::size_t>(picture.size.x() * picture.size.y()), -1);
+  picture.kind.assign(picture.index({0, picture.size.y()}), -1);
   for (const auto& [cell, tall] : columns) {
     const Eigen::Vector2i p = cell - picture.origin;
     if ((p.array() >= picture.size.array()).any()) continue;
-    picture.kind[static_cast<std::size_t>(p.y() * picture.size.x() + p.x())] = tall ? 1 : 0;
+    picture.kind[picture.index(p)] = tall ? 1 : 0;
   }
   return picture;
 }

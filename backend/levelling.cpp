@@ -31,6 +31,7 @@ Eigen::Vector3d common_vertical(const std::vector<Eigen::Vector3d>& up) {
   Eigen::Vector3d result;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(up.size());
     for (const Eigen::Vector3d& v : up) values.push_back(v(axis));
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
