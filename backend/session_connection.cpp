@@ -82,9 +82,12 @@ Proposal propose(const JointProblem& problem, int x, int y, const MergeOptions& 
   }
   if (between.empty()) return proposal;
   const FramePair pair = pair_of(problem, x, y);
-  const ConnectionTrial best = options.connection.estimate_scale
-                                   ? best_connection(pair, between, options.consistency)
-                                   : connection_at(pair, between, 1.0, 1.0, options.consistency);
+  ConnectionTrial best = connection_at(pair, between, 1.0, 1.0, options.consistency);
+  // Odometry is doubted only where it would keep the frames apart: to doubt it more than needed
+  // leaves the shape of both frames to the closures between them, whose errors are known less well.
+  if (options.connection.estimate_scale &&
+      static_cast<int>(best.found.sets.front().size()) < options.connection.min_closures)
+    best = best_connection(pair, between, options.consistency);
   proposal.scale_x = best.scale_x;
   proposal.scale_y = best.scale_y;
   proposal.T_x_y = alignment_of(pair.graph, between, best.found.sets.front());

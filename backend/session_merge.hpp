@@ -42,10 +42,10 @@ struct ConnectionOptions {
     field("max_trials", self.max_trials, Range{0, 10000}, "", "pairs tried to test a connection");
     field("min_confirmed", self.min_confirmed, Range{0.0, 1.0}, "",
           "share of the tested pairs, the set's own among them, that registration must confirm");
-    field("estimate_scale", self.estimate_scale, OnOff{}, "",
-          "where closures between two sessions do not all agree, ask them how much more the "
-          "odometries "
-          "err than the sessions say; a session that met no place twice could not tell");
+    field(
+        "estimate_scale", self.estimate_scale, OnOff{}, "",
+        "where too few closures between two sessions agree, ask them how much more the odometries "
+        "err than the sessions say; a session that met no place twice could not tell");
   }
 };
 

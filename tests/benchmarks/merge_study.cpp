@@ -41,9 +41,10 @@ Side load(const std::string& folder, const apps::Config& config) {
   for (const LocalMapRecord& map : side.part().maps)
     side.T_world_map.push_back(by_scan[map.first_scan]);
   side.store = std::make_unique<MapStore>(side.session.folder, config.slam.registration, 40);
-  std::printf("%s: %s, %.0f m, drift %.2f %%\n", side.part().name.c_str(),
-              side.part().recording.c_str(), odometry.path_length_m,
-              odometry.kitti_translation_percent);
+  std::printf("%s: %s, %.0f m, drift %.2f %%, from scan to scan %.3f m and %.3f deg rms\n",
+              side.part().name.c_str(), side.part().recording.c_str(), odometry.path_length_m,
+              odometry.kitti_translation_percent, odometry.rpe_frame.translation_m.rmse,
+              odometry.rpe_frame.rotation_deg.rmse);
   return side;
 }
 
