@@ -3,10 +3,11 @@
 // several configurations. Reference closures and errors are those of `groundloop evaluate
 // closures`.
 //
-//   groundloop_detector_table [--spacing M] [--drift FACTOR] SIM...
+//   groundloop_detector_table [--spacing M] [--drift FACTOR] [--only CONFIGURATION]... SIM...
 //
 // Scans are taken SPACING (2) metres apart. Drift, at a factor of 1: yaw walks by 0.5 degrees and
 // roll and pitch by 0.15 degrees in 100 m (standard deviation), and steps are 0.4 % too long.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -201,10 +202,12 @@ void print_row(const std::string& name, const char* configuration,
 
 int run(int argc, char** argv) {
   double spacing = 2.0, drift = 1.0;
-  std::vector<std::string> recordings;
+  std::vector<std::string> recordings, only;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if ((argument == "--spacing" || argument == "--drift") && i + 1 < argc) {
+    if (argument == "--only" && i + 1 < argc) {
+      only.emplace_back(argv[++i]);
+    } else if ((argument == "--spacing" || argument == "--drift") && i + 1 < argc) {
       (argument == "--spacing" ? spacing : drift) = std::atof(argv[++i]);
     } else {
       recordings.push_back(argument);
@@ -217,7 +220,10 @@ int run(int argc, char** argv) {
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | "
       "--- "
       "|\n");
-  const std::vector<Configuration> all = configurations();
+  std::vector<Configuration> all = configurations();
+  std::erase_if(all, [&](const Configuration& c) {
+    return !only.empty() && std::find(only.begin(), only.end(), c.name) == only.end();
+  });
   std::vector<std::vector<std::vector<double>>> rows(all.size());
   for (const std::string& recording : recordings) {
     const SimulatedMaps maps = build_maps(recording, spacing, drift);
