@@ -285,7 +285,7 @@ void check_quality(const Work& work, std::vector<ClosureRecord>& closures,
   };
   // The maps are as odometry built them; where they meet, the solution says how they lie.
   const auto solved = [&](int reference, int query) {
-    const Pose guess = solution.T_world_map[query].inverse() * solution.T_world_map[reference];
+    Pose guess = solution.T_world_map[query].inverse() * solution.T_world_map[reference];
     const float reach = work.footprints[reference].radius + work.footprints[query].radius;
     if (guess.translation.norm() > static_cast<double>(reach)) return guess;
     ClosureAnchor anchor = work.anchor(reference, query, guess);

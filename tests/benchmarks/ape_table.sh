@@ -9,8 +9,7 @@
 set -eu
 build=$(realpath "$1") work=$2 drive=${3:-}
 recordings=${RECORDINGS:-"town_64=sim:town?sensor=spin64&length=1000&seed=1
-town_32=sim:town?sensor=spin32&length=1000&seed=3
-town_16=sim:town?sensor=spin16&length=1000&seed=3
+town_16=sim:town?sensor=spin16&length=1550&seed=3
 bridge_32=sim:bridge?sensor=spin32&length=1600&seed=7
 town_64_quiet=sim:town?sensor=spin64&noise=0.3&length=3000&seed=12
 town_16_long=sim:town?sensor=spin16&length=16000&seed=3"}

@@ -25,7 +25,7 @@ struct Study {
   SessionPart part;
   Trajectory truth;
   apps::Config config;
-  std::vector<Pose> true_pose;  // T_world_map of each map, empty without truth
+  std::vector<Pose> true_scan;  // T_world_scan of each scan, empty without truth
 
   std::vector<ClosureRecord> closures(MapStore& store, bool verify) {
     LoopDatabase database(config.slam.loop_closure);
@@ -46,14 +46,13 @@ struct Study {
   // Translation, rotation and normalised squared error of a closure.
   void errors(const ClosureRecord& c, double& m, double& deg, double& nees) const {
     m = deg = nees = std::nan("");
-    if (true_pose.empty()) return;
+    if (true_scan.empty()) return;
     // At the scans that met, where the final graph has it.
     const LocalMapRecord& reference = part.maps[c.reference_map];
     const LocalMapRecord& query = part.maps[c.query_map];
     const ClosureAnchor anchor =
         anchor_closure(c.T_query_reference, reference, part.odometry, query, part.odometry);
-    const Pose expected =
-        truth[anchor.query_scan].pose.inverse() * truth[anchor.reference_scan].pose;
+    const Pose expected = true_scan[anchor.query_scan].inverse() * true_scan[anchor.reference_scan];
     const Pose error = anchor.T_query_reference.inverse() * expected;
     m = error.translation.norm();
     deg = rotation_angle(error.rotation) * 180.0 / M_PI;
@@ -157,12 +156,15 @@ int run(int count, char** arguments) {
       truth.empty() ? open_recording(study.part.recording)->ground_truth() : read_tum(truth);
   if (!study.truth.empty()) {
     const TrajectoryEvaluation e = evaluate_trajectory(study.part.odometry, study.truth);
-    std::vector<Pose> by_scan(study.part.odometry.size());
-    for (const auto& [scan, row] : e.pairs) by_scan[scan] = study.truth[row].pose;
-    for (const LocalMapRecord& map : study.part.maps)
-      study.true_pose.push_back(by_scan[map.first_scan]);
+    if (e.pairs.size() != study.part.odometry.size()) {
+      throw InputError(folder + ": " + std::to_string(e.pairs.size()) + " of " +
+                       std::to_string(study.part.odometry.size()) +
+                       " scans have a ground truth; make the session again from this recording");
+    }
+    study.true_scan.resize(e.pairs.size());
+    for (const auto& [scan, row] : e.pairs) study.true_scan[scan] = study.truth[row].pose;
     std::printf("%s: %zu scans, %.0f m, drift %.2f %%\n", study.part.recording.c_str(),
-                by_scan.size(), e.path_length_m, e.kitti_translation_percent);
+                study.true_scan.size(), e.path_length_m, e.kitti_translation_percent);
   }
   MapStore store(study.folder, config.slam.registration, 40);
   std::printf(
