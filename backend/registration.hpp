@@ -30,8 +30,8 @@ struct RegistrationOptions {
   double correlated_points = 50.0;
   double translation_floor = 0.05;
   double rotation_floor_deg = 0.1;
-  double translation_drift = 0.02;
-  double rotation_drift_deg = 0.02;
+  double translation_drift = 0.01;
+  double rotation_drift_deg = 0.01;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
