@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "loopclosure/wide.hpp"
+
 namespace groundloop {
 namespace {
 
@@ -41,10 +43,13 @@ CountGrid& clean_grid(const DensityImageOptions& options) {
   return grid;
 }
 
-// The cell of each point of a block and the layer it lies in; -1 where it is outside of the grid.
+// Where the points of a block lie: the cell's index in the grid (-1 outside of it) and their layer
+// as a bit; and the cells they occupy.
 struct Block {
   static constexpr std::size_t kPoints = 128;
-  std::array<std::int32_t, kPoints> u, v, layer;
+  std::array<std::int32_t, kPoints> cell;
+  std::array<std::uint32_t, kPoints> layer;
+  std::int32_t low_u, high_u, low_v, high_v;
 };
 
 // Ground frame in cells and layers, counted from the corner of the grid and the lowest layer, so
@@ -52,28 +57,41 @@ struct Block {
 struct CellTransform {
   Eigen::Matrix3f R;
   Eigen::Vector3f t;
-  float side;
-
-  // Without branches, so that it runs several points at a time.
-  void apply(const Eigen::Vector3f* points, std::size_t count, Block& block) const {
-    const float* const values = points->data();
-    const float r00 = R(0, 0), r01 = R(0, 1), r02 = R(0, 2), r10 = R(1, 0), r11 = R(1, 1),
-                r12 = R(1, 2), r20 = R(2, 0), r21 = R(2, 1), r22 = R(2, 2), tx = t.x(), ty = t.y(),
-                tz = t.z(), end = side;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float px = values[3 * i], py = values[3 * i + 1], pz = values[3 * i + 2];
-      const float x = r00 * px + r01 * py + r02 * pz + tx;
-      const float y = r10 * px + r11 * py + r12 * pz + ty;
-      const float layer = r20 * px + r21 * py + r22 * pz + tz;
-      // Written so that NaN is outside.
-      const float u = x >= 0.0F ? x : -1.0F, v = y >= 0.0F ? y : -1.0F;
-      block.u[i] = static_cast<std::int32_t>(u < end ? u : -1.0F);
-      block.v[i] = static_cast<std::int32_t>(v < end ? v : -1.0F);
-      const float low = layer > 0.0F ? layer : 0.0F;
-      block.layer[i] = static_cast<std::int32_t>(low < kLayers - 1.0F ? low : kLayers - 1.0F);
-    }
-  }
+  std::int32_t side, stride;
 };
+
+// Without branches, so that it runs several points at a time.
+GROUNDLOOP_WIDE void locate(const CellTransform& T, const Eigen::Vector3f* points,
+                            std::size_t count, Block& block) {
+  const float* const values = points->data();
+  const float r00 = T.R(0, 0), r01 = T.R(0, 1), r02 = T.R(0, 2), r10 = T.R(1, 0), r11 = T.R(1, 1),
+              r12 = T.R(1, 2), r20 = T.R(2, 0), r21 = T.R(2, 1), r22 = T.R(2, 2), tx = T.t.x(),
+              ty = T.t.y(), tz = T.t.z(), end = static_cast<float>(T.side);
+  const std::int32_t side = T.side, stride = T.stride;
+  std::int32_t low_u = side, high_u = -1, low_v = side, high_v = -1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float px = values[3 * i], py = values[3 * i + 1], pz = values[3 * i + 2];
+    const float x = r00 * px + r01 * py + r02 * pz + tx;
+    const float y = r10 * px + r11 * py + r12 * pz + ty;
+    const float height = r20 * px + r21 * py + r22 * pz + tz;
+    // Written so that NaN is outside.
+    const float above_u = x >= 0.0F ? x : -1.0F, above_v = y >= 0.0F ? y : -1.0F;
+    const auto u = static_cast<std::int32_t>(above_u < end ? above_u : -1.0F);
+    const auto v = static_cast<std::int32_t>(above_v < end ? above_v : -1.0F);
+    const float above = height > 0.0F ? height : 0.0F;
+    const auto layer = static_cast<std::int32_t>(above < kLayers - 1.0F ? above : kLayers - 1.0F);
+    const bool inside = (u | v) >= 0;
+    block.cell[i] = inside ? v * stride + u : -1;
+    block.layer[i] = 1U << layer;
+    const std::int32_t least_u = inside ? u : side, least_v = inside ? v : side;
+    const std::int32_t most_u = inside ? u : -1, most_v = inside ? v : -1;
+    low_u = least_u < low_u ? least_u : low_u;
+    low_v = least_v < low_v ? least_v : low_v;
+    high_u = most_u > high_u ? most_u : high_u;
+    high_v = most_v > high_v ? most_v : high_v;
+  }
+  block.low_u = low_u, block.high_u = high_u, block.low_v = low_v, block.high_v = high_v;
+}
 
 template <bool kCountLayers>
 void count_points(const Points& points, const Pose& T_ground_map,
@@ -85,12 +103,11 @@ void count_points(const Points& points, const Pose& T_ground_map,
   const auto half = static_cast<float>(grid.half);
   const CellTransform to_cells{
       scale.asDiagonal() * T.rotation,
-      scale.cwiseProduct(T.translation) + Eigen::Vector3f(half, half, kGroundLayer),
-      static_cast<float>(grid.side)};
+      scale.cwiseProduct(T.translation) + Eigen::Vector3f(half, half, kGroundLayer), grid.side,
+      static_cast<std::int32_t>(grid.stride)};
   std::uint32_t* const counts = grid.counts.data();
-  const std::ptrdiff_t stride = grid.stride;
-  std::size_t dropped = 0;
-  int low_u = grid.side, low_v = grid.side, high_u = -1, high_v = -1;
+  grid.low = Eigen::Vector2i::Constant(grid.side);
+  grid.high = Eigen::Vector2i::Constant(-1);
   Block block;
   for (std::size_t begin = 0; begin < points.size(); begin += Block::kPoints) {
     const std::size_t count = std::min(Block::kPoints, points.size() - begin);
@@ -100,26 +117,22 @@ void count_points(const Points& points, const Pose& T_ground_map,
       const Eigen::Vector3f* const ahead = points.data() + begin + kAhead;
       for (std::size_t i = 0; i < Block::kPoints; i += kPointsALine) __builtin_prefetch(ahead + i);
     }
-    to_cells.apply(points.data() + begin, count, block);
+    locate(to_cells, points.data() + begin, count, block);
+    grid.low = grid.low.cwiseMin(Eigen::Vector2i(block.low_u, block.low_v));
+    grid.high = grid.high.cwiseMax(Eigen::Vector2i(block.high_u, block.high_v));
     for (std::size_t i = 0; i < count; ++i) {
-      const int u = block.u[i], v = block.v[i];
-      if ((u | v) < 0) {
-        ++dropped;
+      if (block.cell[i] < 0) {
+        ++grid.dropped;
         continue;
       }
-      std::uint32_t& cell = counts[v * stride + u];
+      std::uint32_t& cell = counts[block.cell[i]];
       if constexpr (kCountLayers) {
-        cell |= 1U << block.layer[i];
+        cell |= block.layer[i];
       } else {
         ++cell;
       }
-      low_u = std::min(low_u, u), high_u = std::max(high_u, u);
-      low_v = std::min(low_v, v), high_v = std::max(high_v, v);
     }
   }
-  grid.dropped = dropped;
-  grid.low = Eigen::Vector2i(low_u, low_v);
-  grid.high = Eigen::Vector2i(high_u, high_v);
 }
 
 // How many occupied cells there are of each count.
@@ -128,12 +141,16 @@ struct Histogram {
   std::size_t occupied = 0;
 };
 
-std::uint32_t bits_set(std::uint32_t x) {  // as a loop over a row can do it several at a time
-  x -= (x >> 1) & 0x55555555U;
-  x = (x & 0x33333333U) + ((x >> 2) & 0x33333333U);
-  x = (x + (x >> 4)) & 0x0f0f0f0fU;
-  x += x >> 8;
-  return (x + (x >> 16)) & 0x3fU;
+// Replaces each value by the number of its bits, several at a time.
+GROUNDLOOP_WIDE void count_bits(std::uint32_t* values, int count) {
+  for (int i = 0; i < count; ++i) {
+    std::uint32_t x = values[i];
+    x -= (x >> 1) & 0x55555555U;
+    x = (x & 0x33333333U) + ((x >> 2) & 0x33333333U);
+    x = (x + (x >> 4)) & 0x0f0f0f0fU;
+    x += x >> 8;
+    values[i] = (x + (x >> 16)) & 0x3fU;
+  }
 }
 
 // Turns the bits of the occupied part of the grid into counts of layers.
@@ -144,7 +161,7 @@ Histogram layer_histogram(CountGrid& grid) {
   const int width = grid.high.x() - grid.low.x() + 1;
   for (int v = grid.low.y(); v <= grid.high.y(); ++v) {
     std::uint32_t* const row = grid.row(v) + grid.low.x();
-    for (int u = 0; u < width; ++u) row[u] = bits_set(row[u]);
+    count_bits(row, width);
     int u = 0;
     for (; u + kParts <= width; u += kParts) {
       for (int part = 0; part < kParts; ++part) {

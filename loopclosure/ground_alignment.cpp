@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "loopclosure/voxel_normals.hpp"
+#include "loopclosure/wide.hpp"
 
 namespace groundloop {
 namespace {
@@ -56,6 +57,22 @@ std::vector<Eigen::Vector3d> hemisphere() {
   return directions;
 }
 
+// How many unit vectors, one a row, lie within the gate of `direction` or its opposite.
+GROUNDLOOP_WIDE std::size_t count_facing(const Eigen::MatrixX3f& normals,
+                                         const Eigen::Vector3f& direction, float gate) {
+  const float dx = direction.x(), dy = direction.y(), dz = direction.z();
+  const float* const x = normals.col(0).data();
+  const float* const y = normals.col(1).data();
+  const float* const z = normals.col(2).data();
+  const auto n = static_cast<std::int32_t>(normals.rows());
+  std::int32_t count = 0;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const float cosine = x[i] * dx + (y[i] * dy + z[i] * dz);
+    count += (cosine > gate ? 1 : 0) + (cosine < -gate ? 1 : 0);
+  }
+  return static_cast<std::size_t>(count);
+}
+
 // Directions in which many voxels face, strongest first, with the share of sampled normals that
 // face there.
 struct Candidate {
@@ -73,12 +90,13 @@ std::vector<Candidate> candidate_directions(const VoxelNormals& voxels, double g
   std::vector<Candidate> candidates;
   while (candidates.size() < kMaxCandidates && !normals.empty()) {
     std::size_t best = 0, best_count = 0;
+    Eigen::MatrixX3f columns(static_cast<Eigen::Index>(normals.size()), 3);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      columns.row(static_cast<Eigen::Index>(i)) = normals[i];
+    }
     for (std::size_t d = 0; d < lattice.size(); ++d) {
-      const Eigen::Vector3f direction = lattice[d].cast<float>();
-      std::size_t count = 0;
-      for (const Eigen::Vector3f& n : normals) {
-        count += static_cast<std::size_t>(std::abs(n.dot(direction)) > static_cast<float>(gate));
-      }
+      const std::size_t count =
+          count_facing(columns, lattice[d].cast<float>(), static_cast<float>(gate));
       if (count > best_count) best = d, best_count = count;
     }
     if (static_cast<double>(best_count) < 0.02 * samples) break;

@@ -23,6 +23,12 @@ bool usable(const Eigen::Vector3f& p) {
          std::abs(p.z()) < kMaxCoordinate;
 }
 
+// Which of a group of `size` points to take: evenly spread over the groups (the golden ratio), as a
+// fixed place would follow the pattern in which a sensor or a grid lays out its points.
+std::size_t pick(std::uint32_t group, std::size_t size) {
+  return (std::uint64_t{group * 0x9e3779b9U} * size) >> 32;
+}
+
 }  // namespace
 
 VoxelNormals::VoxelNormals(const Points& points, double size, std::size_t max_points) {
@@ -43,10 +49,11 @@ VoxelNormals::VoxelNormals(const Points& points, double size, std::size_t max_po
     VoxelKey key;
   };
   std::array<Sample, kBlock> block;
+  std::uint32_t group = 0;
   for (std::size_t n = 0; n < points.size();) {
     std::size_t count = 0;
-    for (; n < points.size() && count < kBlock; n += stride) {
-      const Eigen::Vector3f& p = points[n];
+    for (; n < points.size() && count < kBlock; n += stride, ++group) {
+      const Eigen::Vector3f& p = points[n + pick(group, std::min(stride, points.size() - n))];
       __builtin_prefetch(&points[std::min(n + kBlock * stride, points.size() - 1)]);
       if (!usable(p)) continue;
       const Eigen::Vector3i voxel = voxel_of(p, inverse);

@@ -14,8 +14,8 @@ namespace groundloop {
 
 class VoxelNormals {
  public:
-  /// Voxels of edge `size` (m) from about `max_points` points, taken at a fixed stride. Points that
-  /// are not finite or beyond 10 km are left out.
+  /// Voxels of edge `size` (m) from `max_points` points or up to twice as many, one of each group
+  /// of successive points. Points that are not finite or beyond 10 km are left out.
   VoxelNormals(const Points& points, double size, std::size_t max_points);
 
   [[nodiscard]] std::size_t size() const { return means_.size(); }
