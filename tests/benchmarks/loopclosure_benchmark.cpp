@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -212,6 +213,25 @@ std::vector<Points> session_maps(const std::filesystem::path& session) {
   return maps;
 }
 
+// Mean and standard deviation of what each of a series of maps took.
+class StageStatistics {
+ public:
+  void add(double seconds) {
+    sum_ += seconds;
+    squares_ += seconds * seconds;
+    ++count_;
+  }
+  void put(benchmark::State& state, const std::string& name) const {
+    const double mean = sum_ / count_;
+    state.counters[name + "_ms"] = 1e3 * mean;
+    state.counters[name + "_std_ms"] =
+        1e3 * std::sqrt(std::max(0.0, squares_ / count_ - mean * mean));
+  }
+
+ private:
+  double sum_ = 0.0, squares_ = 0.0, count_ = 0.0;
+};
+
 // As in a run: each map described, sought in the database of those before it, and entered. The
 // counters are milliseconds of processor time a map.
 void stages_of_a_session(benchmark::State& state) {
@@ -221,12 +241,13 @@ void stages_of_a_session(benchmark::State& state) {
     return;
   }
   const std::vector<Points> maps = session_maps(session);
-  LoopClosureTimes times;
+  StageStatistics ground, image, features, matching, consensus, all;
   std::size_t candidates = 0, inliers = 0;
   for (auto _ : state) {
     LoopDatabase database{LoopClosureOptions{}};
     candidates = inliers = 0;
     for (std::size_t m = 0; m < maps.size(); ++m) {
+      LoopClosureTimes times;
       MapDescription description =
           describe_map({0, static_cast<int>(m)}, maps[m], LoopClosureOptions{}, &times);
       for (const ClosureCandidate& candidate : database.query(description, &times)) {
@@ -234,19 +255,21 @@ void stages_of_a_session(benchmark::State& state) {
         inliers += static_cast<std::size_t>(candidate.inliers);
       }
       database.insert(std::move(description));
+      ground.add(times.ground_alignment);
+      image.add(times.density_image);
+      features.add(times.features);
+      matching.add(times.matching);
+      consensus.add(times.consensus);
+      all.add(times.ground_alignment + times.density_image + times.features + times.matching +
+              times.consensus);
     }
   }
-  const double scale = 1e3 / static_cast<double>(maps.size());
-  const auto counter = [&](const char* name, double seconds) {
-    state.counters[name] = benchmark::Counter(seconds * scale, benchmark::Counter::kAvgIterations);
-  };
-  counter("1_ground", times.ground_alignment);
-  counter("2_image", times.density_image);
-  counter("3_features", times.features);
-  counter("4_matching", times.matching);
-  counter("5_consensus", times.consensus);
-  counter("6_sum", times.ground_alignment + times.density_image + times.features + times.matching +
-                       times.consensus);
+  ground.put(state, "1_ground");
+  image.put(state, "2_image");
+  features.put(state, "3_features");
+  matching.put(state, "4_matching");
+  consensus.put(state, "5_consensus");
+  all.put(state, "6_all");
   state.counters["candidates"] = static_cast<double>(candidates);
   state.counters["inliers"] = static_cast<double>(inliers);
 }

@@ -4,25 +4,35 @@
 #
 #   tests/benchmarks/run_all.sh [BUILD_FOLDER] [WORK_FOLDER] > tests/benchmarks/benchmarks.md
 #
-# LENGTHS (m of way, "500 1000 2000 4000"), SENSORS ("spin16 spin64"), DRIVE (folder of a real recording, none),
+# LENGTHS (m of way, "500 1000 2000 4000"), SENSORS ("spin16 spin64"), DRIVE (folder of a real recording, none), WRITTEN
+# (m of a way with 64 beams that is written out first and read from disk, 600; 0: none),
 # FILTER (of benchmarks, all), PARTS ("stages runs"). Sessions stay in WORK_FOLDER and are not run again.
 # Processor seconds are compared, not the clock, where the machine is shared.
 set -eu
 cd "$(dirname "$0")/../.."
 build=${1:-build/release} work=${2:-build/benchmarks}
-lengths=${LENGTHS:-500 1000 2000 4000} sensors=${SENSORS:-spin16 spin64} drive=${DRIVE:-} parts=${PARTS:-stages runs}
+lengths=${LENGTHS:-500 1000 2000 4000} sensors=${SENSORS:-spin16 spin64} drive=${DRIVE:-} written=${WRITTEN:-600} parts=${PARTS:-stages runs}
 mkdir -p "$work"
 
 printf '# Benchmarks\n\nMade by `tests/benchmarks/run_all.sh` on %s cores of %s; load average at the start %s.\n' "$(nproc)" \
   "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)" "$(cut -d' ' -f1 /proc/loadavg)"
 
 if [[ $parts == *stages* ]]; then
-  printf '\n## Stages\n\n| benchmark | clock | processor, calling thread |\n| --- | --- | --- |\n'
+  # A session of the real drive, whose local maps the stages of loop closing are measured on.
+  if [ -n "$drive" ]; then
+    [ -f "$work/drive_all/metrics.json" ] || "$build/groundloop" --quiet run "$drive" --out "$work/drive_all" >&2
+    export GROUNDLOOP_SESSION=$work/drive_all
+  fi
+  printf '\n## Stages\n\n| benchmark | clock | processor, calling thread | counters |\n| --- | --- | --- | --- |\n'
   "$build/tests/benchmarks/groundloop_benchmarks" --benchmark_format=json --benchmark_filter="${FILTER:-.}" 2>"$work/log" |
     awk -F'": ' '
-      function plain(text) { gsub(/[",]/, "", text); return text }
-      /^ *"name"/ { name = plain($2) } /^ *"real_time"/ { clock = plain($2) } /^ *"cpu_time"/ { cpu = plain($2) }
-      /^ *"time_unit"/ { unit = plain($2); printf "| `%s` | %.3g %s | %.3g %s |\n", name, clock, unit, cpu, unit }'
+      function plain(text) { gsub(/[",]/, "", text); sub(/^ */, "", text); return text }
+      function row() { if (name != "") printf "| `%s` | %.3g %s | %.3g %s |%s |\n", name, clock, unit, cpu, unit, counters; name = "" }
+      /^ *"name"/ { row(); name = plain($2); counters = ""; unit = "" }
+      /^ *"real_time"/ { clock = plain($2) } /^ *"cpu_time"/ { cpu = plain($2) }
+      /^ *"time_unit"/ { unit = plain($2); next }
+      unit != "" && /^ *"[^"]*": -?[0-9]/ { counters = counters sprintf("%s %s %.4g", counters == "" ? "" : ",", plain($1), plain($2)) }
+      END { row() }'
 fi
 [[ $parts == *runs* ]] || exit 0
 
@@ -58,6 +68,13 @@ for sensor in $sensors; do
   for length in $lengths; do run "$sensor" "$length" "sim:town?sensor=$sensor&length=$length&seed=3"; done
 done
 [ -z "$drive" ] || run drive all "$drive"
+if [ "$written" != 0 ]; then
+  [ -d "$work/written" ] || {
+    "$build/groundloop" --quiet simulate "sim:town?sensor=spin64&length=$written&seed=3" --layout kitti --out "$work/written.part" >&2
+    mv "$work/written.part" "$work/written"
+  }
+  run written "$written" "$work/written"
+fi
 
 # Busy seconds over scans, both axes logarithmic, for the first sensor: slope 1 is a constant cost a scan.
 awk -F, -v sensor="${sensors%% *}" '
