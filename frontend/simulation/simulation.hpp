@@ -28,6 +28,9 @@ struct SimulationParameters {
   /// any, west or east: a way in the west and one in the east (of the same seed, in town or park)
   /// have one street in common, with which both begin, and no other.
   std::string side = "any";
+  /// there, or back: the same streets from their end to their beginning, in the other lane (in town
+  /// or park).
+  std::string way = "there";
 };
 
 /// Parses a specification. Throws InputError naming the key, the value and what is allowed.

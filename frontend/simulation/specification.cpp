@@ -17,8 +17,9 @@ const Names worlds{"town", "bridge", "park"};
 const Names sensors{"spin16", "spin32", "spin64", "spin128", "raster", "rosette"};
 const Names carriers{"car", "walker", "segway"};
 const Names sides{"any", "west", "east"};
-const Names keys{"sensor", "carrier", "length",  "seed", "route",
-                 "change", "noise",   "traffic", "fov",  "side"};
+const Names ways{"there", "back"};
+const Names keys{"sensor", "carrier", "length", "seed", "route", "change",
+                 "noise",  "traffic", "fov",    "side", "way"};
 
 std::string list(const Names& names) {
   std::string text;
@@ -90,6 +91,8 @@ void set(SimulationParameters& parameters, const std::string& specification, con
     parameters.carrier = one_of(specification, key, value, carriers);
   } else if (key == "side") {
     parameters.side = one_of(specification, key, value, sides);
+  } else if (key == "way") {
+    parameters.way = one_of(specification, key, value, ways);
   } else if (key == "length") {
     parameters.length = number(specification, key, value, 10.0, 1e5);
   } else if (key == "seed") {
@@ -145,6 +148,9 @@ SimulationParameters parse_simulation(const std::string& specification) {
   }
   if (parameters.side != "any" && parameters.world == "bridge") {
     refuse(specification, "side belongs to town and park; the bridge has its own two sides");
+  }
+  if (parameters.way != "there" && parameters.world == "bridge") {
+    refuse(specification, "way belongs to town and park; the bridge is driven there and back");
   }
   return parameters;
 }

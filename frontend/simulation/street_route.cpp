@@ -156,7 +156,8 @@ std::vector<Crossing> choose_crossings(const StreetNetwork& network,
 }
 
 Way plan_street_route(const StreetNetwork& network, const SimulationParameters& parameters) {
-  const std::vector<Crossing> crossings = choose_crossings(network, parameters);
+  std::vector<Crossing> crossings = choose_crossings(network, parameters);
+  if (parameters.way == "back") std::reverse(crossings.begin(), crossings.end());
   std::vector<Street> streets;
   for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
     streets.push_back(*network.between(crossings[k], crossings[k + 1]));

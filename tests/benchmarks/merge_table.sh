@@ -60,6 +60,9 @@ session rosette "$town&sensor=rosette&route=1&change=2"
 session walker "sim:town?length=$((length / 2))&seed=$seed&sensor=spin64&carrier=walker&route=1&change=1"
 session west "$town&sensor=spin64&side=west&route=1"
 session east "$town&sensor=spin64&side=east&route=2&change=1"
+session back "$town&sensor=spin64&route=1&way=back&change=1"
+session raster_back "$town&sensor=raster&route=1&way=back&change=1"
+session rosette_back "$town&sensor=rosette&route=1&way=back&change=2"
 session elsewhere "sim:town?length=$length&seed=$((seed + 4))&sensor=spin64"
 session bridge "sim:bridge?length=$length&seed=1&sensor=spin32"
 session other_bridge "sim:bridge?length=$length&seed=5&sensor=spin32"
@@ -72,6 +75,10 @@ row "spinning, raster" spin64 raster
 row "spinning, rosette" spin64 rosette
 row "raster, rosette" raster rosette
 row "car, walker" spin64 walker
+row "opposite way: same sensor" spin64 back
+row "opposite way: spinning, raster" spin64 raster_back
+row "opposite way: spinning, rosette" spin64 rosette_back
+row "opposite way: rasters" raster raster_back
 row "one street in common" west east
 row "no overlap" spin64 elsewhere
 row "look-alikes: a bridge, another bridge" bridge other_bridge

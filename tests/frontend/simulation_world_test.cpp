@@ -83,6 +83,23 @@ TEST(StreetRoute, WestAndEastShareOneStreet) {
   }
 }
 
+TEST(StreetRoute, BackLeadsAlongTheSameStreetsInTheOtherLane) {
+  for (const std::uint64_t seed : {5U, 6U}) {
+    const StreetNetwork network(seed);
+    SimulationParameters there, back;
+    back.way = "back";
+    const Way a = plan_street_route(network, there), b = plan_street_route(network, back);
+    const Vec2 first = a.points[1] - a.points[0],
+               last = b.points[b.points.size() - 1] - b.points[b.points.size() - 2];
+    EXPECT_LT(first.normalized().dot(last.normalized()), -0.99) << "seed " << seed;
+    // On the left of the way there, no wider than an avenue; streets end 9 m before a crossing.
+    const Vec2 offset = b.points.back() - a.points.front();
+    const Vec2 left = Vec2(-first.y(), first.x()).normalized();
+    EXPECT_GT(offset.dot(left), 1.8) << "seed " << seed;
+    EXPECT_LT(offset.norm(), 20.0) << "seed " << seed;
+  }
+}
+
 class SimulatedWorld : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SimulatedWorld, HasAWayOfTheAskedLength) {
@@ -100,20 +117,18 @@ TEST_P(SimulatedWorld, IsSeen) {
   for (const Eigen::Vector3f& p : scan.points) EXPECT_TRUE(p.allFinite());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SimulatedWorld,
-                         ::testing::Values("town", "town?sensor=spin16&carrier=walker&length=200",
-                                           "town?sensor=spin64&fov=290",
-                                           "town?sensor=rosette&length=200", "bridge?sensor=spin32",
-                                           "park?sensor=raster&carrier=segway&length=200",
-                                           "park?sensor=spin128&carrier=walker&length=200",
-                                           "town?side=west", "town?length=12000&sensor=spin16"),
-                         [](const auto& instance) {
-                           std::string name = instance.param;
-                           std::erase_if(name, [](char c) {
-                             return std::isalnum(static_cast<unsigned char>(c)) == 0;
-                           });
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, SimulatedWorld,
+    ::testing::Values("town", "town?sensor=spin16&carrier=walker&length=200",
+                      "town?sensor=spin64&fov=290", "town?sensor=rosette&length=200",
+                      "bridge?sensor=spin32", "park?sensor=raster&carrier=segway&length=200",
+                      "park?sensor=spin128&carrier=walker&length=200", "town?side=west",
+                      "town?way=back&length=200", "town?length=12000&sensor=spin16"),
+    [](const auto& instance) {
+      std::string name = instance.param;
+      std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+      return name;
+    });
 
 /// The fewest points of every `step`-th scan; a sensor within a solid sees none.
 std::size_t fewest_points(const std::string& specification, std::size_t step) {
