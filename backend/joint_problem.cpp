@@ -122,7 +122,7 @@ std::optional<ClosureRecord> JointProblem::try_pair(const PoseGraph& poses, int 
   const std::shared_ptr<StoredMap> r = map(reference);
   VerificationOptions limits = options_.matching.verification;
   limits.min_agreement = options_.revisits.min_agreement;
-  limits.by_contrast = true;
+  limits.between_sessions = true;
   const ClosureVerification result =
       verify_closure(q->target(), q->points(), r->points(), T_query_reference, limits,
                      options_.matching.registration);

@@ -57,7 +57,7 @@ PairMatches match_parts(const SessionPart& reference, MapStore& references,
   // that agree with each other over both odometries only: the second witness that few inliers lack.
   VerificationOptions verification = options.verification;
   verification.min_agreement = std::min(verification.min_agreement, verification.vouched_agreement);
-  verification.by_contrast = true;
+  verification.between_sessions = true;
   LoopDatabase database(options.loop_closure);
   for (MapDescription description : reference.descriptions) {
     description.key.session = 0;

@@ -68,7 +68,7 @@ ClosureVerification verify_closure(const RegistrationTarget& query_target, const
     } else {
       const ColumnGrid columns(reference, icp.T_target_source, query_target.up());
       agreement = query_target.columns().agreement(columns);
-      if (verification.by_contrast && agreement.correlation < verification.min_agreement)
+      if (agreement.correlation < verification.min_agreement)
         contrast = query_target.columns().contrast(columns);
     }
   });
@@ -80,7 +80,7 @@ ClosureVerification verify_closure(const RegistrationTarget& query_target, const
   if (result.overlap < min_overlap) {
     result.reason = below("overlap", result.overlap, min_overlap);
   } else if (agreement.defined && agreement.correlation < verification.min_agreement &&
-             result.contrast.value_or(-1.0) < verification.min_contrast) {
+             result.contrast.value_or(-1.0) < verification.contrast_limit()) {
     result.reason =
         below("agreement of tall structure", agreement.correlation, verification.min_agreement);
   } else {

@@ -92,7 +92,7 @@ void print_pairs(Side& reference, Side& query, const apps::Config& config) {
   std::printf("pairs that share a fifth of the ground, verified from the truth\n");
   VerificationOptions limits = config.slam.verification;
   limits.min_agreement = config.slam.revisits.min_agreement;
-  limits.by_contrast = true;
+  limits.between_sessions = true;
   for (const LocalMapRecord& qm : query.part().maps) {
     const auto q = query.store->get(qm.map);
     const GroundFootprint footprint = ground_footprint(q->points());
