@@ -67,7 +67,7 @@ Points true_points(const Scan& scan, const TruePoses& truth) {
       twist = log_se3(truth.at(scan.stamp).inverse() * truth.at(end)) / last;
     }
   }
-  return deskew_and_crop(scan, twist, 0.0, 0.0, kMaxRange);
+  return deskew_and_crop(scan, {twist}, 0.0, 0.0, kMaxRange);
 }
 
 // Numbers in `recording` of the scans with these stamps: of all, or of a run of them.

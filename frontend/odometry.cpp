@@ -6,77 +6,32 @@
 #include <istream>
 #include <ostream>
 
-#include <Eigen/Cholesky>
 #include <spdlog/spdlog.h>
 
 #include "frontend/core/binary_io.hpp"
 #include "frontend/core/error.hpp"
-#include "frontend/core/parallel.hpp"
+#include "frontend/scan_registration.hpp"
 
 namespace groundloop {
 namespace {
 
-constexpr std::size_t kRegistrationBlock = 256;
 // Voxels out of range are dropped once the sensor has moved this far since the last time.
 constexpr float kPruneDistance = 5.0F;
 // Update (m, rad) that ends the coarse registration: the fine one goes on from there.
 constexpr double kCoarseConvergence = 1e-2;
 // Share of a scan in the running mean of how many voxels scans fill.
 constexpr double kUsualGain = 0.05;
-
-struct NormalEquations {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  NormalEquations& operator+=(const NormalEquations& other) {
-    H += other.H;
-    b += other.b;
-    return *this;
-  }
-};
+// Scans that a sensor is taken to swing on for after its velocity changed: it rests at the turning
+// points, and where its acceleration passes through zero. So many at the start are measured too:
+// scans deskewed by a wrong velocity make a map that a swing cannot be seen against.
+constexpr int kSwingScans = 20;
+// The motion follows from the pose, the pose from points deskewed by it.
+constexpr int kSwingRounds = 2;
 
 double square(double v) { return v * v; }
 
-// Adds a correspondence: q is the moved source point, r = q - its neighbour. Where that lies on a
-// plane of normal n, the residual is the distance to the plane across it, weighted by
-// A = n n' + a (I - n n'): along the plane a neighbour says little, since it is not the same point.
-// Else A = I times `scatter`. The robust kernel is Geman-McClure of scale sigma (KISS-ICP, eq. 8).
-void add_correspondence(NormalEquations& sum, const Eigen::Vector3d& q,
-                        const VoxelMap::Neighbor& neighbor, double sigma, double a,
-                        double scatter) {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d r = q - neighbor.point.cast<double>();
-  if (neighbor.plane.exists() && a < 1.0) {
-    const Eigen::Vector3d n = neighbor.plane.normal.cast<double>();
-    // The plane of many points is better known than its nearest point.
-    r += n * (n.dot(q - neighbor.plane.point.cast<double>()) - n.dot(r));
-    A *= a;
-    A.noalias() += (1.0 - a) * n * n.transpose();
-    scatter = 1.0;
-  }
-  const Eigen::Vector3d Ar = A * r;
-  const double w = scatter * square(sigma) / square(sigma + r.dot(Ar));
-  // J = [I | -skew(q)] for a perturbation on the left.
-  Eigen::Matrix3d AS;  // A * -skew(q), column by column
-  AS.col(0) = q.y() * A.col(2) - q.z() * A.col(1);
-  AS.col(1) = q.z() * A.col(0) - q.x() * A.col(2);
-  AS.col(2) = q.x() * A.col(1) - q.y() * A.col(0);
-  sum.H.topLeftCorner<3, 3>() += w * A;
-  sum.H.topRightCorner<3, 3>() += w * AS;
-  Eigen::Matrix3d SAS;  // -skew(q)' * AS = skew(q) * AS
-  for (int k = 0; k < 3; ++k) SAS.col(k) = q.cross(Eigen::Vector3d(AS.col(k)));
-  sum.H.bottomRightCorner<3, 3>() += w * SAS;
-  sum.b.head<3>() += w * Ar;
-  sum.b.tail<3>() += w * q.cross(Ar);
-}
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double sweep_middle(const Scan& scan) {
-  if (scan.times.empty()) return 0.0;
-  const auto [min, max] = std::minmax_element(scan.times.begin(), scan.times.end());
-  return 0.5 * (static_cast<double>(*min) + static_cast<double>(*max));
 }
 
 }  // namespace
@@ -87,39 +42,15 @@ Odometry::Odometry(const OdometryOptions& options)
       deviation_sum_(square(options.initial_threshold)),
       deviation_count_(1) {}
 
-double Odometry::threshold() const {
-  return std::sqrt(deviation_sum_ / static_cast<double>(deviation_count_));
+Odometry::Sweep Odometry::sweep_of(const Scan& scan) {
+  if (scan.times.empty()) return {};
+  const auto [min, max] = std::minmax_element(scan.times.begin(), scan.times.end());
+  const double first = *min, last = *max;
+  return {0.5 * (first + last), 0.5 * (last - first)};
 }
 
-Odometry::Registration Odometry::register_points(const Points& source, const Pose& guess,
-                                                 const Kernel& kernel) const {
-  if (map_.empty()) return {guess, 0};
-  const auto max_distance = static_cast<float>(3.0 * kernel.sigma);
-  const double along = options_.point_to_point ? 1.0 : options_.along_plane_weight;
-  const double scatter = options_.point_to_point ? 1.0 : kernel.scatter_weight;
-  Pose pose = guess;
-  int iteration = 0;
-  while (iteration < options_.max_iterations) {
-    ++iteration;
-    const PoseF T(pose);
-    const NormalEquations system = ordered_sum<NormalEquations>(
-        source.size(), kRegistrationBlock, {}, [&](std::size_t begin, std::size_t end) {
-          NormalEquations sum;
-          for (std::size_t i = begin; i < end; ++i) {
-            const Eigen::Vector3f p = T * source[i];
-            const VoxelMap::Neighbor neighbor = map_.nearest(p, max_distance);
-            if (neighbor.squared_distance > max_distance * max_distance) continue;
-            add_correspondence(sum, p.cast<double>(), neighbor, kernel.sigma, along, scatter);
-          }
-          return sum;
-        });
-    const Matrix6d full = system.H.selfadjointView<Eigen::Upper>();
-    const Vector6d dx = full.ldlt().solve(-system.b);
-    if (!dx.allFinite()) return {guess, iteration};
-    pose = exp_se3(dx) * pose;
-    if (dx.norm() < kernel.convergence) break;
-  }
-  return {pose, iteration};
+double Odometry::threshold() const {
+  return std::sqrt(deviation_sum_ / static_cast<double>(deviation_count_));
 }
 
 void Odometry::start(const Scan& first, const Scan& second) {
@@ -133,7 +64,7 @@ void Odometry::start(const Scan& first, const Scan& second) {
     trial.twist_ = next.twist_;
   }
   twist_ = trial.twist_;
-  T_world_middle_ = exp_se3(sweep_middle(first) * twist_);
+  T_world_middle_ = exp_se3(sweep_of(first).middle * twist_);
 }
 
 bool Odometry::blocked(std::size_t voxels) {
@@ -149,8 +80,8 @@ bool Odometry::blocked(std::size_t voxels) {
   return false;
 }
 
-// Adapts the threshold and the velocity to the step from T_world_middle_ to `registered`.
-void Odometry::learn_motion(const Pose& guess, double step, const Pose& registered) {
+// Adapts the threshold to how far the prediction was off.
+void Odometry::learn_deviation(const Pose& guess, const Pose& registered) {
   const Pose deviation = guess.inverse() * registered;
   const double model_error =
       deviation.translation.norm() +
@@ -159,21 +90,109 @@ void Odometry::learn_motion(const Pose& guess, double step, const Pose& register
     deviation_sum_ += square(model_error);
     ++deviation_count_;
   }
-  if (step > 0.0 && step <= options_.max_gap) {
-    twist_ = log_se3(T_world_middle_.inverse() * registered) / step;
+}
+
+Odometry::DeskewedScan Odometry::deskew(const Scan& scan, const SensorMotion& motion,
+                                        double middle) {
+  DeskewedScan result;
+  result.points = deskew_and_crop(scan, motion, middle, options_.min_range, options_.max_range);
+  result.map_points = downsampler_(result.points, 0.5F * static_cast<float>(options_.voxel_size));
+  return result;
+}
+
+RegistrationKernel Odometry::coarse_kernel() const {
+  const double along = options_.point_to_point ? 1.0 : options_.along_plane_weight;
+  return {threshold(), along, 1.0, std::max(options_.convergence, kCoarseConvergence),
+          options_.max_iterations};
+}
+
+RegistrationKernel Odometry::fine_kernel() const {
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  RegistrationKernel kernel = coarse_kernel();
+  kernel.sigma = std::min(kernel.sigma, options_.fine_threshold * voxel);
+  if (!options_.point_to_point) kernel.scatter_weight = options_.scatter_weight;
+  kernel.convergence = options_.convergence;
+  return kernel;
+}
+
+bool Odometry::swings(const Sweep& sweep, const Vector6d& velocity) {
+  const double departure = (velocity - twist_).tail<3>().norm() * sweep.half;
+  if (departure > options_.swing_deg * M_PI / 180.0) {
+    swinging_ = kSwingScans;
+  } else if (swinging_ > 0) {
+    --swinging_;
   }
+  return swinging_ > 0 || scans_ < kSwingScans;
+}
+
+// The turn within the sweep is measured by the sweep itself, which has a sensor's faults in it: an
+// axis askew looks like a turn, the same in each sweep. So the mean rate since the last scan is
+// that of the poses, and the sweeps tell how it changed meanwhile.
+SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, DeskewedScan& deskewed,
+                                     double step, Pose& pose) {
+  SweepPoints source;
+  source.times = times_within(scan, options_.min_range, options_.max_range);
+  for (float& t : source.times) {
+    t = static_cast<float>((static_cast<double>(t) - sweep.middle) / sweep.half);
+  }
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  source.points =
+      downsampler_(downsampler_(deskewed.points, 0.5F * voxel, source.times), voxel, source.times);
+  const TurningRegistration turning = register_turning_scan(map_, source, pose, fine_kernel());
+
+  const Eigen::Vector3d turn_rate = twist_.tail<3>() + turning.turn / sweep.half;
+  SensorMotion motion;
+  if (turn_rate_) motion.change.tail<3>() = (turn_rate - *turn_rate_) / step;
+  pose = turning.pose;
+  for (int round = 0; round < kSwingRounds; ++round) {
+    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    if (turn_rate_) {
+      motion.velocity.tail<3>() += 0.5 * step * motion.change.tail<3>();
+    } else {
+      motion.velocity.tail<3>() = turn_rate;
+    }
+    deskewed = deskew(scan, motion, sweep.middle);
+    pose = register_scan(map_, downsampler_(deskewed.map_points, voxel), pose, fine_kernel()).pose;
+  }
+  turn_rate_ = turn_rate;
+  return motion;
+}
+
+void Odometry::insert(const Points& map_points) {
+  map_.insert(map_points, T_world_middle_);
+  const Eigen::Vector3f position = T_world_middle_.translation.cast<float>();
+  if ((position - pruned_at_).norm() > kPruneDistance) {
+    map_.remove_beyond(position, static_cast<float>(options_.max_range));
+    pruned_at_ = position;
+  }
+}
+
+RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep, std::size_t voxels,
+                                   const std::string& name) {
+  if (blocked_ == 1) {
+    spdlog::warn(
+        "{}: the view is blocked ({} voxels filled, {:.0f} are usual); its pose is "
+        "predicted from the velocity",
+        name, voxels, usual_voxels_);
+  }
+  ++predicted_scans_;
+  turn_rate_.reset();
+  T_world_middle_ = guess;
+  RegisteredScan result;
+  result.T_world_scan = guess * exp_se3(-sweep.middle * twist_);
+  return result;
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   const auto start = std::chrono::steady_clock::now();
-  const double middle = sweep_middle(scan);
+  const Sweep sweep = sweep_of(scan);
   const Nanoseconds middle_stamp =
-      scan.stamp + static_cast<Nanoseconds>(std::llround(middle * 1e9));
+      scan.stamp + static_cast<Nanoseconds>(std::llround(sweep.middle * 1e9));
 
-  Points points = deskew_and_crop(scan, twist_, middle, options_.min_range, options_.max_range);
-  if (points.size() < static_cast<std::size_t>(options_.min_points)) {
-    throw InputError(name + ": only " + std::to_string(points.size()) + " points between " +
-                     std::to_string(options_.min_range) + " and " +
+  DeskewedScan deskewed = deskew(scan, {twist_}, sweep.middle);
+  if (deskewed.points.size() < static_cast<std::size_t>(options_.min_points)) {
+    throw InputError(name + ": only " + std::to_string(deskewed.points.size()) +
+                     " points between " + std::to_string(options_.min_range) + " and " +
                      std::to_string(options_.max_range) + " m, at least " +
                      std::to_string(options_.min_points) +
                      " are needed to register a scan; check the sensor, the range limits, or leave "
@@ -181,60 +200,54 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
                      "--first and --count");
   }
   const auto voxel = static_cast<float>(options_.voxel_size);
-  const Points map_points = downsampler_(points, 0.5F * voxel);
-  const Points source = downsampler_(map_points, 1.5F * voxel);
+  const Points source = downsampler_(deskewed.map_points, 1.5F * voxel);
 
   const double step = static_cast<double>(middle_stamp - middle_stamp_) * 1e-9;
   // Across a gap, or where stamps do not advance, the velocity says little.
   const double trusted_step = scans_ == 0 ? 0.0 : std::clamp(step, 0.0, options_.max_gap);
+  const bool followed = scans_ > 0 && step > 0.0 && step <= options_.max_gap;
   const Pose guess = T_world_middle_ * exp_se3(trusted_step * twist_);
-  RegisteredScan result;
-  if (blocked(source.size())) {
-    if (blocked_ == 1) {
-      spdlog::warn(
-          "{}: the view is blocked ({} voxels filled, {:.0f} are usual); its pose is "
-          "predicted from the velocity",
-          name, source.size(), usual_voxels_);
-    }
-    ++predicted_scans_;
-    T_world_middle_ = guess;
-    middle_stamp_ = middle_stamp;
+  middle_stamp_ = middle_stamp;
+  // A sensor that swung a moment ago sees little where it looks at the ground or the sky, and its
+  // velocity says nothing of the next scans.
+  const bool predictable = swinging_ < kSwingScans / 2;
+  if (predictable && blocked(source.size())) {
     ++scans_;
-    result.T_world_scan = guess * exp_se3(-middle * twist_);
+    RegisteredScan result = predicted(guess, sweep, source.size(), name);
     result.seconds = seconds_since(start);
     return result;
   }
-  const double sigma = threshold();
-  const Registration coarse = register_points(
-      source, guess, {sigma, 1.0, std::max(options_.convergence, kCoarseConvergence)});
-  const Points fine_source = downsampler_(map_points, voxel);
-  const Registration registration =
-      register_points(fine_source, coarse.pose,
-                      {std::min(sigma, options_.fine_threshold * voxel), options_.scatter_weight,
-                       options_.convergence});
+  const ScanRegistration coarse = register_scan(map_, source, guess, coarse_kernel());
+  const Points fine_source = downsampler_(deskewed.map_points, voxel);
+  const ScanRegistration fine = register_scan(map_, fine_source, coarse.pose, fine_kernel());
 
-  if (scans_ > 0) learn_motion(guess, step, registration.pose);
-  T_world_middle_ = registration.pose;
-  middle_stamp_ = middle_stamp;
-  ++scans_;
-
-  map_.insert(map_points, T_world_middle_);
-  const Eigen::Vector3f position = T_world_middle_.translation.cast<float>();
-  if ((position - pruned_at_).norm() > kPruneDistance) {
-    map_.remove_beyond(position, static_cast<float>(options_.max_range));
-    pruned_at_ = position;
+  Pose pose = fine.pose;
+  if (scans_ > 0) learn_deviation(guess, pose);
+  SensorMotion motion{twist_};
+  if (followed) {
+    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    if (sweep.half > 0.0 && swings(sweep, motion.velocity)) {
+      motion = measure_swing(scan, sweep, deskewed, step, pose);
+    } else {
+      turn_rate_.reset();
+    }
   }
+  twist_ = motion.velocity;
+  T_world_middle_ = pose;
+  ++scans_;
+  insert(deskewed.map_points);
 
-  // From the middle of the sweep to the instant of the stamp, with the velocity just measured.
-  const Pose T_middle_scan = exp_se3(-middle * twist_);
+  // From the middle of the sweep to the instant of the stamp, with the motion just measured.
+  const Pose T_middle_scan = motion.after(-sweep.middle);
+  RegisteredScan result;
   result.T_world_scan = T_world_middle_ * T_middle_scan;
-  result.points = std::move(points);
-  if (middle != 0.0) {
+  result.points = std::move(deskewed.points);
+  if (sweep.middle != 0.0) {
     const PoseF T_scan_middle(T_middle_scan.inverse());
     for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
   }
   result.registration_points = source.size() + fine_source.size();
-  result.iterations = coarse.iterations + registration.iterations;
+  result.iterations = coarse.iterations + fine.iterations;
   result.seconds = seconds_since(start);
   return result;
 }
@@ -244,6 +257,9 @@ void Odometry::save(std::ostream& out) const {
   put(out, T_world_middle_.translation);
   put(out, middle_stamp_);
   put(out, twist_);
+  put(out, turn_rate_.has_value());
+  put(out, turn_rate_.value_or(Eigen::Vector3d::Zero()));
+  put(out, swinging_);
   put(out, deviation_sum_);
   put(out, deviation_count_);
   put(out, scans_);
@@ -259,6 +275,12 @@ void Odometry::load(std::istream& in) {
   get(in, T_world_middle_.translation);
   get(in, middle_stamp_);
   get(in, twist_);
+  bool has_turn_rate = false;
+  Eigen::Vector3d turn_rate;
+  get(in, has_turn_rate);
+  get(in, turn_rate);
+  turn_rate_ = has_turn_rate ? std::optional(turn_rate) : std::nullopt;
+  get(in, swinging_);
   get(in, deviation_sum_);
   get(in, deviation_count_);
   get(in, scans_);

@@ -6,6 +6,10 @@
 // that the scan's stamp names; inside, points are brought to the middle of the sweep, where an
 // error of the predicted velocity does least harm.
 //
+// Where the sensor swings (in a hand, on a balancing carrier) the velocity of the last step is an
+// old one: half a degree to a degree off at the ends of a sweep. Such a scan is registered again
+// with its turn over the sweep as a further unknown, and deskewed by what was found.
+//
 // Unlike KISS-ICP, which registers points to points, points are registered to the planes of the
 // map, and what has no plane counts little: the nearest neighbours of scan lines are scan lines,
 // and pull the pose along the ground and walls that they cross (16 beams without any noise: 1.4 %
@@ -14,12 +18,14 @@
 
 #include <cstddef>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 #include "frontend/core/options.hpp"
 #include "frontend/core/pose.hpp"
 #include "frontend/core/scan.hpp"
 #include "frontend/preprocessing.hpp"
+#include "frontend/scan_registration.hpp"
 #include "frontend/voxel_map.hpp"
 
 namespace groundloop {
@@ -40,6 +46,7 @@ struct OdometryOptions {
   double fine_threshold = 0.2;
   double blocked_share = 0.1;
   int max_blocked = 20;
+  double swing_deg = 0.3;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -75,6 +82,10 @@ struct OdometryOptions {
           "sensor, not the place: its pose is predicted");
     field("max_blocked", self.max_blocked, Range{0, 100000}, "",
           "scans in a row whose pose may be predicted; then they are registered all the same");
+    field(
+        "swing_deg", self.swing_deg, Range{0.0, 180.0}, "degrees",
+        "a turning rate that changes by more, from one scan to the next and over half a sweep, is "
+        "that of a sensor that swings: its turn is measured within the sweep too");
   }
 };
 
@@ -108,21 +119,32 @@ class Odometry {
   void load(std::istream& in);
 
  private:
-  struct Registration {
-    Pose pose;
-    int iterations;
+  // When the points of a scan were measured, s from its stamp.
+  struct Sweep {
+    double middle = 0.0;
+    double half = 0.0;  // from the middle to either end
   };
-  // How far correspondences reach, and what they weigh.
-  struct Kernel {
-    double sigma;           // m
-    double scatter_weight;  // of points without a plane
-    double convergence;
+  static Sweep sweep_of(const Scan& scan);
+  // At the middle of the sweep.
+  struct DeskewedScan {
+    Points points;      // within range
+    Points map_points;  // of those, what the map gets
   };
-  [[nodiscard]] Registration register_points(const Points& source, const Pose& guess,
-                                             const Kernel& kernel) const;
+  [[nodiscard]] DeskewedScan deskew(const Scan& scan, const SensorMotion& motion, double middle);
   [[nodiscard]] double threshold() const;
+  [[nodiscard]] RegistrationKernel coarse_kernel() const;
+  [[nodiscard]] RegistrationKernel fine_kernel() const;
   [[nodiscard]] bool blocked(std::size_t voxels);
-  void learn_motion(const Pose& guess, double step, const Pose& registered);
+  RegisteredScan predicted(const Pose& guess, const Sweep& sweep, std::size_t voxels,
+                           const std::string& name);
+  void learn_deviation(const Pose& guess, const Pose& registered);
+  // Whether the sensor swings, now that its mean velocity since the last scan is `velocity`.
+  [[nodiscard]] bool swings(const Sweep& sweep, const Vector6d& velocity);
+  // Registers a scan of a sensor that swings, from `pose` on, and deskews it anew. Returns how the
+  // sensor moved about the middle of the sweep.
+  SensorMotion measure_swing(const Scan& scan, const Sweep& sweep, DeskewedScan& deskewed,
+                             double step, Pose& pose);
+  void insert(const Points& map_points);
 
   OdometryOptions options_;
   VoxelMap map_;
@@ -131,7 +153,10 @@ class Odometry {
   Pose T_world_middle_;
   Nanoseconds middle_stamp_ = 0;
   Vector6d twist_ = Vector6d::Zero();  // m/s, rad/s
-  double deviation_sum_ = 0.0;         // of squared departures from the prediction, m^2
+  // Of the last sweep as it tells itself, rad/s, if it was asked.
+  std::optional<Eigen::Vector3d> turn_rate_;
+  int swinging_ = 0;            // scans that the sensor is taken to swing on for
+  double deviation_sum_ = 0.0;  // of squared departures from the prediction, m^2
   std::size_t deviation_count_ = 0;
   std::size_t scans_ = 0;
   double usual_voxels_ = 0.0;  // that a scan fills

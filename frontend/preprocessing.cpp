@@ -13,14 +13,14 @@ constexpr std::size_t kBlock = 8192;
 // The sensor's pose over the sweep, at equal steps in time; poses in between are interpolated
 // linearly, which at 64 steps departs from the exponential by less than a micrometre at any speed
 // of a vehicle.
-class SweepMotion {
+class SweepSteps {
  public:
-  SweepMotion(const Vector6d& twist, double reference_time, float first, float last)
+  SweepSteps(const SensorMotion& motion, double reference_time, float first, float last)
       : first_(first), scale_(last > first ? static_cast<float>(kSteps) / (last - first) : 0.0F) {
     steps_.reserve(kSteps + 2);
     for (std::size_t i = 0; i <= kSteps + 1; ++i) {
       const double t = first + (last - first) * static_cast<double>(i) / kSteps;
-      steps_.emplace_back(exp_se3((t - reference_time) * twist));
+      steps_.emplace_back(motion.after(t - reference_time));
     }
   }
 
@@ -38,12 +38,26 @@ class SweepMotion {
   std::vector<PoseF> steps_;
 };
 
+class RangeGate {
+ public:
+  RangeGate(double min_range, double max_range)
+      : lower_(static_cast<float>(min_range * min_range)),
+        upper_(static_cast<float>(max_range * max_range)) {}
+  // False for NaN.
+  [[nodiscard]] bool operator()(const Eigen::Vector3f& p) const {
+    const float squared_range = p.squaredNorm();
+    return squared_range > lower_ && squared_range <= upper_;
+  }
+
+ private:
+  float lower_, upper_;  // m^2
+};
+
 }  // namespace
 
-Points deskew_and_crop(const Scan& scan, const Vector6d& twist, double reference_time,
+Points deskew_and_crop(const Scan& scan, const SensorMotion& motion, double reference_time,
                        double min_range, double max_range) {
-  const auto lower = static_cast<float>(min_range * min_range);
-  const auto upper = static_cast<float>(max_range * max_range);
+  const RangeGate in_range(min_range, max_range);
   const bool moves = !scan.times.empty() && scan.times.size() == scan.points.size();
   float first = 0.0F, last = 0.0F;
   if (moves) {
@@ -51,7 +65,7 @@ Points deskew_and_crop(const Scan& scan, const Vector6d& twist, double reference
     first = *min;
     last = *max;
   }
-  const SweepMotion motion(twist, reference_time, first, last);
+  const SweepSteps steps(motion, reference_time, first, last);
   std::vector<Points> parts((scan.points.size() + kBlock - 1) / kBlock);
   for_each_block(scan.points.size(), kBlock,
                  [&](std::size_t block, std::size_t begin, std::size_t end) {
@@ -59,10 +73,7 @@ Points deskew_and_crop(const Scan& scan, const Vector6d& twist, double reference
                    part.reserve(end - begin);
                    for (std::size_t i = begin; i < end; ++i) {
                      const Eigen::Vector3f& p = scan.points[i];
-                     const float squared_range = p.squaredNorm();
-                     // Written so that NaN fails.
-                     if (!(squared_range > lower && squared_range <= upper)) continue;
-                     part.push_back(moves ? motion.move(p, scan.times[i]) : p);
+                     if (in_range(p)) part.push_back(moves ? steps.move(p, scan.times[i]) : p);
                    }
                  });
   if (parts.size() == 1) return std::move(parts.front());
@@ -70,6 +81,16 @@ Points deskew_and_crop(const Scan& scan, const Vector6d& twist, double reference
   points.reserve(scan.points.size());
   for (const Points& part : parts) points.insert(points.end(), part.begin(), part.end());
   return points;
+}
+
+std::vector<float> times_within(const Scan& scan, double min_range, double max_range) {
+  const RangeGate in_range(min_range, max_range);
+  std::vector<float> times;
+  times.reserve(scan.times.size());
+  for (std::size_t i = 0; i < scan.times.size(); ++i) {
+    if (in_range(scan.points[i])) times.push_back(scan.times[i]);
+  }
+  return times;
 }
 
 Points VoxelDownsampler::operator()(const Points& points, float voxel_size) {
@@ -81,6 +102,19 @@ Points VoxelDownsampler::operator()(const Points& points, float voxel_size) {
     const auto index = static_cast<std::uint32_t>(kept.size());
     if (table_.find_or_insert(voxel_key(voxel_of(p, inverse)), index) == index) kept.push_back(p);
   }
+  return kept;
+}
+
+Points VoxelDownsampler::operator()(const Points& points, float voxel_size,
+                                    std::vector<float>& values) {
+  Points kept = (*this)(points, voxel_size);
+  // The points kept are in order: each is the next that equals it.
+  std::size_t i = 0;
+  for (std::size_t k = 0; k < kept.size(); ++k, ++i) {
+    while (points[i] != kept[k]) ++i;
+    values[k] = values[i];
+  }
+  values.resize(kept.size());
   return kept;
 }
 

@@ -55,7 +55,7 @@ Points points_of(const Scan& scan, const Trajectory& truth, std::size_t i) {
   const std::size_t a = i + 1 < truth.size() ? i : i - 1;
   const double seconds = 1e-9 * static_cast<double>(truth[a + 1].stamp - truth[a].stamp);
   const Vector6d twist = log_se3(truth[a].pose.inverse() * truth[a + 1].pose) / seconds;
-  return deskew_and_crop(scan, twist, 0.0, 0.0, 100.0);
+  return deskew_and_crop(scan, {twist}, 0.0, 0.0, 100.0);
 }
 
 SimulatedMaps build_maps(const std::string& recording_name, double spacing, double drift_factor) {

@@ -33,7 +33,7 @@ Vector6d driving() {
 
 void BM_DeskewAndCrop(benchmark::State& state) {
   for (auto _ : state)
-    benchmark::DoNotOptimize(deskew_and_crop(scans()[0], driving(), 0.05, 0.0, 100.0));
+    benchmark::DoNotOptimize(deskew_and_crop(scans()[0], {driving()}, 0.05, 0.0, 100.0));
   state.counters["points"] = static_cast<double>(scans()[0].points.size());
 }
 BENCHMARK(BM_DeskewAndCrop)->Unit(benchmark::kMillisecond);

@@ -44,7 +44,27 @@ struct Drive {
   }
 };
 
-Scan sweep(const Drive& drive, double start, double duration, bool moving) {
+// A sensor in the hand: pitch swings by 20 degrees at 0.5 Hz, so that its rate changes by 20
+// degrees a second from one scan to the next.
+struct Swing : Drive {
+  [[nodiscard]] Pose at(double t) const {
+    const double pitch = 20.0 * M_PI / 180.0 * std::sin(2.0 * M_PI * 0.5 * t);
+    return Drive::at(t) * Pose(exp_so3({0.0, pitch, 0.0}), Eigen::Vector3d::Zero());
+  }
+};
+
+double distance_from_wall(const Eigen::Vector3d& w) {
+  double wall = std::min({std::abs(std::abs(w.x()) - 20.0), std::abs(std::abs(w.y()) - 12.0),
+                          std::abs(w.z() + 2.0), std::abs(w.z() - 6.0)});
+  for (const Eigen::Vector2d& pillar :
+       {Eigen::Vector2d(8, 3), Eigen::Vector2d(-6, -5), Eigen::Vector2d(2, 9)}) {
+    wall = std::min(wall, std::abs((w.head<2>() - pillar).norm() - 1.0));
+  }
+  return wall;
+}
+
+template <typename Way>
+Scan sweep(const Way& drive, double start, double duration, bool moving) {
   Scan scan;
   scan.stamp = static_cast<Nanoseconds>(std::llround(start * 1e9));
   // A spinning sensor's columns are not locked to its scans; nor are they here.
@@ -99,27 +119,65 @@ TEST(Odometry, DeskewingPutsPointsBackOnTheWalls) {
   const auto worst_distance_from_wall = [&](const Points& points) {
     double worst = 0.0;
     for (const Eigen::Vector3f& p : points) {
-      const Eigen::Vector3d w = drive.at(0.0) * Eigen::Vector3d(p.cast<double>());
-      double wall = std::min({std::abs(std::abs(w.x()) - 20.0), std::abs(std::abs(w.y()) - 12.0),
-                              std::abs(w.z() + 2.0), std::abs(w.z() - 6.0)});
-      for (const Eigen::Vector2d& pillar :
-           {Eigen::Vector2d(8, 3), Eigen::Vector2d(-6, -5), Eigen::Vector2d(2, 9)}) {
-        wall = std::min(wall, std::abs((w.head<2>() - pillar).norm() - 1.0));
-      }
-      worst = std::max(worst, wall);
+      worst =
+          std::max(worst, distance_from_wall(drive.at(0.0) * Eigen::Vector3d(p.cast<double>())));
     }
     return worst;
   };
-  EXPECT_GT(worst_distance_from_wall(deskew_and_crop(moving, Vector6d::Zero(), 0.0, 0.0, 100.0)),
-            0.2);
-  EXPECT_LT(worst_distance_from_wall(deskew_and_crop(moving, twist, 0.0, 0.0, 100.0)), 1e-4);
+  EXPECT_GT(worst_distance_from_wall(deskew_and_crop(moving, {}, 0.0, 0.0, 100.0)), 0.2);
+  EXPECT_LT(worst_distance_from_wall(deskew_and_crop(moving, {twist}, 0.0, 0.0, 100.0)), 1e-4);
+}
+
+TEST(Odometry, DeskewingByAVelocityThatChangesPutsPointsBackOnTheWalls) {
+  // Pitch about the sensor by 0.3 t + 2 t^2.
+  struct Nod {
+    [[nodiscard]] Pose at(double t) const {
+      return {exp_so3({0.0, 0.3 * t + 2.0 * t * t, 0.0}), Eigen::Vector3d(-8, -2, 0)};
+    }
+  };
+  SensorMotion motion;
+  motion.velocity(4) = 0.3 + 4.0 * 0.05;  // in the middle of the sweep
+  motion.change(4) = 4.0;
+  const Points points = deskew_and_crop(sweep(Nod{}, 0.0, 0.1, true), motion, 0.05, 0.0, 100.0);
+  double worst = 0.0;
+  for (const Eigen::Vector3f& p : points) {
+    worst = std::max(worst, distance_from_wall(Nod{}.at(0.05) * Eigen::Vector3d(p.cast<double>())));
+  }
+  EXPECT_LT(worst, 1e-4);
+}
+
+// Root mean square distance of deskewed points from the walls, placed by the true poses, m.
+double blur_of_a_swinging_sensor(double swing_deg) {
+  const Swing swing;
+  OdometryOptions options;
+  options.voxel_size = 0.5;
+  options.swing_deg = swing_deg;
+  Odometry odometry(options);
+  odometry.start(sweep(swing, 0.0, 0.1, true), sweep(swing, 0.1, 0.1, true));
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (int i = 0; i < 40; ++i) {
+    const RegisteredScan result = odometry.add(sweep(swing, 0.1 * i, 0.1, true), "scan");
+    if (i <= 20) continue;
+    for (const Eigen::Vector3f& p : result.points) {
+      const double d = distance_from_wall(swing.at(0.1 * i) * Eigen::Vector3d(p.cast<double>()));
+      squares += d * d;
+    }
+    count += result.points.size();
+  }
+  return std::sqrt(squares / static_cast<double>(count));
+}
+
+TEST(Odometry, MeasuresTheTurnOfASwingingSensorWithinItsSweeps) {
+  EXPECT_GT(blur_of_a_swinging_sensor(180.0), 0.06);
+  EXPECT_LT(blur_of_a_swinging_sensor(OdometryOptions().swing_deg), 0.015);
 }
 
 TEST(Odometry, GivesTheSameBytesForEveryThreadCount) {
   const auto run = [](int threads) {
     set_thread_count(threads);
     Odometry odometry{OdometryOptions{}};
-    for (int i = 0; i < 8; ++i) odometry.add(sweep(Drive{}, 0.1 * i, 0.1, true), "scan");
+    for (int i = 0; i < 8; ++i) odometry.add(sweep(Swing{}, 0.1 * i, 0.1, true), "scan");
     std::ostringstream state;
     odometry.save(state);
     set_thread_count(0);
@@ -130,13 +188,13 @@ TEST(Odometry, GivesTheSameBytesForEveryThreadCount) {
 
 TEST(Odometry, GoesOnFromASavedStateAsIfNothingHadHappened) {
   Odometry whole{OdometryOptions{}}, first{OdometryOptions{}}, second{OdometryOptions{}};
-  for (int i = 0; i < 4; ++i) whole.add(sweep(Drive{}, 0.1 * i, 0.1, true), "scan");
-  for (int i = 0; i < 4; ++i) first.add(sweep(Drive{}, 0.1 * i, 0.1, true), "scan");
+  for (int i = 0; i < 4; ++i) whole.add(sweep(Swing{}, 0.1 * i, 0.1, true), "scan");
+  for (int i = 0; i < 4; ++i) first.add(sweep(Swing{}, 0.1 * i, 0.1, true), "scan");
   std::stringstream state;
   first.save(state);
   second.load(state);
-  const Pose a = whole.add(sweep(Drive{}, 0.4, 0.1, true), "scan").T_world_scan;
-  const Pose b = second.add(sweep(Drive{}, 0.4, 0.1, true), "scan").T_world_scan;
+  const Pose a = whole.add(sweep(Swing{}, 0.4, 0.1, true), "scan").T_world_scan;
+  const Pose b = second.add(sweep(Swing{}, 0.4, 0.1, true), "scan").T_world_scan;
   EXPECT_EQ(a.matrix(), b.matrix());
 }
 

@@ -60,7 +60,7 @@ TEST(Deskewing, SharpensTheMapOfASwingingWalker) {
       const Vector6d twist = log_se3(truth[i].pose.inverse() * truth[i + 1].pose) / seconds;
       for (const auto& [velocity, map] :
            {std::pair{Vector6d(Vector6d::Zero()), &raw}, {twist, &deskewed}}) {
-        for (const Eigen::Vector3f& p : deskew_and_crop(scan, velocity, 0.0, 1.0, 40.0)) {
+        for (const Eigen::Vector3f& p : deskew_and_crop(scan, {velocity}, 0.0, 1.0, 40.0)) {
           map->push_back(truth[i].pose * p.cast<double>());
         }
       }

@@ -19,7 +19,7 @@ Points true_map(const std::string& sensor) {
   const Trajectory truth = recording->ground_truth();
   LocalMapBuilder builder(LocalMapOptions{});
   for (std::size_t i = 0; i < recording->size(); i += 5) {
-    const Points points = deskew_and_crop(recording->read(i), Vector6d::Zero(), 0.0, 0.0, 100.0);
+    const Points points = deskew_and_crop(recording->read(i), {}, 0.0, 0.0, 100.0);
     (void)builder.add(points, truth.at(i).pose);
   }
   const auto map = builder.finish();
