@@ -28,6 +28,7 @@ double seconds_since(Clock::time_point start) {
 MergeOptions merge_options(const Config& config) {
   const SlamOptions& slam = config.slam;
   MergeOptions options;
+  options.odometry_information = config.slam.odometry_information;
   options.matching = {slam.loop_closure, slam.closures, slam.verification, slam.registration};
   options.connection = config.connection;
   options.optimizer = slam.pose_graph;

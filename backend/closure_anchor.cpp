@@ -1,6 +1,9 @@
 #include "backend/closure_anchor.hpp"
 
 #include <limits>
+#include <vector>
+
+#include <Eigen/LU>
 
 namespace groundloop {
 namespace {
@@ -10,6 +13,15 @@ constexpr double kMeeting = 10.0;
 
 Pose in_map(const LocalMapRecord& map, const Trajectory& trajectory, std::size_t scan) {
   return trajectory[map.first_scan].pose.inverse() * trajectory[scan].pose;
+}
+
+// From the first scan of the map to `scan`.
+RelativePose way_to(std::size_t scan, const LocalMapRecord& map, const Trajectory& trajectory,
+                    const OdometryInformationOptions& drift) {
+  std::vector<Pose> way;
+  way.reserve(scan - map.first_scan + 1);
+  for (std::size_t i = map.first_scan; i <= scan; ++i) way.push_back(trajectory[i].pose);
+  return compose_odometry(way, 0, way.size() - 1, drift);
 }
 
 }  // namespace
@@ -49,6 +61,23 @@ Pose carried_to_origins(const ClosureAnchor& anchor, const LocalMapRecord& refer
                         const Trajectory& query_trajectory) {
   return in_map(query, query_trajectory, anchor.query_scan) * anchor.T_query_reference *
          in_map(reference, reference_trajectory, anchor.reference_scan).inverse();
+}
+
+Matrix6d information_between_origins(const ClosureAnchor& anchor, const Matrix6d& information,
+                                     const LocalMapRecord& reference,
+                                     const Trajectory& reference_trajectory,
+                                     const LocalMapRecord& query,
+                                     const Trajectory& query_trajectory,
+                                     const OdometryInformationOptions& drift) {
+  const RelativePose exact{anchor.T_query_reference, Matrix6d::Zero()};
+  const Matrix6d lost =
+      (way_to(anchor.query_scan, query, query_trajectory, drift) * exact *
+       inverse(way_to(anchor.reference_scan, reference, reference_trajectory, drift)))
+          .covariance;
+  // (information^-1 + lost)^-1, also where a direction is free and information has no inverse.
+  const Matrix6d left = Matrix6d::Identity() + information * lost;
+  const Matrix6d result = left.partialPivLu().solve(information);
+  return 0.5 * (result + result.transpose());
 }
 
 }  // namespace groundloop

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 
+#include "backend/odometry_information.hpp"
 #include "backend/session.hpp"
 #include "frontend/core/trajectory.hpp"
 
@@ -29,5 +30,13 @@ struct ClosureAnchor {
                                       const Trajectory& reference_trajectory,
                                       const LocalMapRecord& query,
                                       const Trajectory& query_trajectory);
+
+/// Information of the pose between the maps' first scans, from that of the closure where it was
+/// measured (`information`, perturbed at the reference's first scan): less by what odometry, erring
+/// by `drift`, may have lost on the ways from the first scans to those that met.
+[[nodiscard]] Matrix6d information_between_origins(
+    const ClosureAnchor& anchor, const Matrix6d& information, const LocalMapRecord& reference,
+    const Trajectory& reference_trajectory, const LocalMapRecord& query,
+    const Trajectory& query_trajectory, const OdometryInformationOptions& drift);
 
 }  // namespace groundloop

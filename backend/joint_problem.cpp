@@ -89,18 +89,19 @@ const GroundFootprint& JointProblem::footprint(int vertex) {
   return *footprints_[vertex];
 }
 
-Pose JointProblem::between_origins(const ClosureRecord& c) const {
+GraphEdge JointProblem::edge_of(const ClosureRecord& c) const {
   const MergedPart& reference = parts[part_of[reference_vertex(c)]];
   const MergedPart& query = parts[part_of[query_vertex(c)]];
   const LocalMapRecord& r = reference.maps[c.reference_map];
   const LocalMapRecord& q = query.maps[c.query_map];
   const ClosureAnchor anchor =
       anchor_closure(c.T_query_reference, r, reference.odometry, q, query.odometry);
-  return carried_to_origins(anchor, r, reference.source->trajectory, q, query.source->trajectory);
-}
-
-GraphEdge JointProblem::edge_of(const ClosureRecord& c) const {
-  return {query_vertex(c), reference_vertex(c), between_origins(c), c.information,
+  const Trajectory& r_solved = reference.source->trajectory;
+  const Trajectory& q_solved = query.source->trajectory;
+  return {query_vertex(c), reference_vertex(c),
+          carried_to_origins(anchor, r, r_solved, q, q_solved),
+          information_between_origins(anchor, c.information, r, r_solved, q, q_solved,
+                                      options_.odometry_information),
           EdgeKind::closure};
 }
 
@@ -145,6 +146,19 @@ std::optional<ClosureRecord> JointProblem::try_pair(const PoseGraph& poses, int 
   record.initial_T_query_reference = T_query_reference;
   record.information = result.information;
   return record;
+}
+
+bool JointProblem::knows(const ClosureRecord& closure) const {
+  constexpr double kSame = 0.3, kSameTurn = 0.3 * M_PI / 180.0;
+  return std::any_of(closures.begin(), closures.end(), [&](const ClosureRecord& c) {
+    if (c.status != ClosureStatus::accepted && c.status != ClosureStatus::outlier) return false;
+    if (c.query_session != closure.query_session || c.query_map != closure.query_map ||
+        c.reference_session != closure.reference_session ||
+        c.reference_map != closure.reference_map)
+      return false;
+    const Pose between = c.T_query_reference.inverse() * closure.T_query_reference;
+    return between.translation.norm() < kSame && rotation_angle(between.rotation) < kSameTurn;
+  });
 }
 
 OptimizationSummary JointProblem::solve(PoseGraph& problem, const std::vector<int>& active,

@@ -43,15 +43,16 @@ class JointProblem {
   [[nodiscard]] bool is_step(const GraphEdge& edge) const {
     return part_of[edge.from] == part_of[edge.to] && std::abs(edge.from - edge.to) == 1;
   }
-  /// The closure between the maps' first scans: as it is where the maps meet, and along the
-  /// sessions' own solutions, which bent the maps' odometry, from there.
-  [[nodiscard]] Pose between_origins(const ClosureRecord& closure) const;
-  /// The closure as an edge between vertices.
+  /// The closure as an edge between vertices, the maps' first scans: as it is where the maps meet,
+  /// and along the sessions' own solutions, which bent the maps' odometry, from there.
   [[nodiscard]] GraphEdge edge_of(const ClosureRecord& closure) const;
   /// Share of the smaller map's ground that two maps have in common at the poses of `poses`.
   [[nodiscard]] double predicted_overlap(const PoseGraph& poses, int reference, int query);
   /// Registers two maps from the poses of `poses`; nothing where it fails or leads far away.
   [[nodiscard]] std::optional<ClosureRecord> try_pair(const PoseGraph& poses, int a, int b);
+  /// Whether a closure of the same maps and, to 0.3 m and 0.3 degrees, the same pose is there: the
+  /// detector and the overlap of maps may lead to the same one, which must count once.
+  [[nodiscard]] bool knows(const ClosureRecord& closure) const;
   /// Optimises `graph`, holding the frames that are not `active`, the fixed recordings and the
   /// first map of each active frame without one.
   OptimizationSummary solve(PoseGraph& problem, const std::vector<int>& active, bool robust,

@@ -38,7 +38,8 @@ struct Ends {
 
 Ends ends_of(const JointProblem& problem, int closure, int y) {
   const ClosureRecord& c = problem.closures[closure];
-  const RelativePose T_query_reference{problem.between_origins(c), c.information.inverse()};
+  const GraphEdge edge = problem.edge_of(c);
+  const RelativePose T_query_reference{edge.T_from_to, edge.information.inverse()};
   const int query = problem.query_vertex(c);
   const int reference = problem.reference_vertex(c);
   if (problem.frame_of(query) == y) return {reference, query, T_query_reference};
@@ -244,6 +245,7 @@ void try_connection(JointProblem& problem, const Proposal& proposal, const Merge
     if (part.frame == moving) part.frame = staying;
   }
   for (ClosureRecord& record : test.found) {
+    if (problem.knows(record)) continue;
     trial.edges.push_back(problem.edge_of(record));
     problem.closures.push_back(std::move(record));
   }

@@ -163,7 +163,7 @@ std::size_t add_revisits(JointProblem& problem, const std::vector<int>& frames_b
       if (closures[r] >= kClosuresOfAMap) continue;
       tried.emplace_back(reference, query);
       std::optional<ClosureRecord> record = problem.try_pair(problem.graph, reference, query);
-      if (!record) continue;
+      if (!record || problem.knows(*record)) continue;
       problem.closures.push_back(std::move(*record));
       ++closures[r];
       ++added;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "backend/odometry_information.hpp"
 #include "backend/optimizer.hpp"
 #include "backend/pairwise_consistency.hpp"
 #include "backend/session_matching.hpp"
@@ -53,6 +54,7 @@ struct MergeOptions {
   SessionMatchingOptions matching;
   ConsistencyOptions consistency;
   ConnectionOptions connection;
+  OdometryInformationOptions odometry_information;
   OptimizerOptions optimizer;
   RevisitOptions revisits;
 };

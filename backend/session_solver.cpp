@@ -62,11 +62,14 @@ PoseGraph key_pose_graph(const Work& work, const std::vector<ClosureRecord>& clo
   }
   for (const ClosureRecord& c : closures) {
     if (!participates(c)) continue;
-    const Pose T_query_reference =
-        carried_to_origins(work.anchor(c.reference_map, c.query_map, c.T_query_reference),
-                           maps[c.reference_map], work.odometry, maps[c.query_map], work.odometry);
+    const LocalMapRecord &reference = maps[c.reference_map], &query = maps[c.query_map];
+    const ClosureAnchor anchor = work.anchor(c.reference_map, c.query_map, c.T_query_reference);
     graph.edges.push_back(
-        {c.query_map, c.reference_map, T_query_reference, c.information, EdgeKind::closure});
+        {c.query_map, c.reference_map,
+         carried_to_origins(anchor, reference, work.odometry, query, work.odometry),
+         information_between_origins(anchor, c.information, reference, work.odometry, query,
+                                     work.odometry, work.given.odometry_information),
+         EdgeKind::closure});
   }
   return graph;
 }

@@ -70,5 +70,38 @@ TEST(ClosureAnchor, LosesTheErrorOfTheWayWhenCarriedAlongTheTruth) {
   EXPECT_LT(left.translation.norm(), 0.1 * error.translation.norm());
 }
 
+// On straight ways along x, both origins a way of n steps of 1 m from the meeting: a position is
+// lost by n steps along x on each way, and a heading by n steps, which displaces the other origin
+// by the rest of the way at every step (and along x by the 4 m between the ways, on one of them).
+TEST(ClosureAnchor, AtTheOriginsKnowsLessByTheWays) {
+  LocalMapRecord reference{0, 0, 40, 0, {}}, query{1, 41, 81, 0, {}};
+  Trajectory ways;
+  for (int map = 0; map < 2; ++map) {
+    for (int i = 0; i <= 40; ++i)
+      ways.push_back({0, Pose(Eigen::Quaterniond::Identity(), {1.0 * i, 4.0 * map, 0.0})});
+  }
+  OdometryInformationOptions drift;
+  drift.translation_floor = drift.rotation_floor = 1e-9;
+  const int n = 10;
+  const ClosureAnchor anchor{41 + n, n, ways[41 + n].pose.inverse() * ways[n].pose};
+  const Matrix6d known = 1e8 * Matrix6d::Identity();
+  const Matrix6d covariance =
+      information_between_origins(anchor, known, reference, ways, query, ways, drift).inverse();
+  const double step = drift.translation * drift.translation, turn = drift.rotation * drift.rotation;
+  EXPECT_NEAR(covariance(0, 0), 2 * n * step + n * turn * 16.0, 0.2 * step);
+  EXPECT_NEAR(covariance(5, 5), 2 * n * turn, 1e-2 * turn + 2e-8);
+  // A turn k m from the origin moves it sideways by k: twice the sum of k^2.
+  double sideways = 2 * n * step;
+  for (int k = 1; k <= n; ++k) sideways += 2 * turn * k * k;
+  EXPECT_NEAR(covariance(1, 1), sideways, 0.02 * sideways);
+  // A direction that nothing holds stays free.
+  Matrix6d free = known;
+  free.row(0).setZero();
+  free.col(0).setZero();
+  const Matrix6d kept =
+      information_between_origins(anchor, free, reference, ways, query, ways, drift);
+  EXPECT_NEAR(kept(0, 0), 0.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace groundloop

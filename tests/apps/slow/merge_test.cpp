@@ -42,6 +42,22 @@ class Sessions {
   TemporaryFolder folder_;
 };
 
+// No two closures say the same of the same maps.
+void expect_each_closure_once(const fs::path& session) {
+  const std::vector<ClosureRecord> closures = read_closures(session / "closures.csv");
+  for (std::size_t i = 0; i < closures.size(); ++i) {
+    for (std::size_t j = i + 1; j < closures.size(); ++j) {
+      const ClosureRecord &a = closures[i], &b = closures[j];
+      if (a.status != ClosureStatus::accepted || b.status != ClosureStatus::accepted) continue;
+      if (a.reference_session != b.reference_session || a.query_session != b.query_session ||
+          a.reference_map != b.reference_map || a.query_map != b.query_map)
+        continue;
+      EXPECT_GT((a.T_query_reference.inverse() * b.T_query_reference).translation.norm(), 0.3)
+          << a.reference_map << " " << a.query_map;
+    }
+  }
+}
+
 Json read_json(const fs::path& file) { return Json::parse(read_text(file)); }
 
 void expect_that_it_aligns_another_day_and_leaves_another_town_alone(const Sessions& session) {
@@ -58,6 +74,7 @@ void expect_that_it_aligns_another_day_and_leaves_another_town_alone(const Sessi
   EXPECT_EQ(metrics["closures_against_ground_truth"]["precision"], 1.0);
   EXPECT_EQ(read_text(out / "sessions" / "elsewhere" / "trajectory.tum"),
             read_text(session("elsewhere") + "/trajectory.tum"));
+  expect_each_closure_once(out);
   // The tables of the whole are those of the recordings, numbered through.
   const auto whole = read_local_maps(out / "local_maps.csv");
   std::size_t maps = 0;
