@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x32304b4345484347ULL;  // "GCHECK02"
+constexpr std::uint64_t kMagic = 0x33304b4345484347ULL;  // "GCHECK03"
 constexpr const char* kFile = "checkpoint.bin";
 constexpr const char* kDatabase = "checkpoint_database.bin";
 
