@@ -128,7 +128,7 @@ ScanRegistration register_scan(const VoxelMap& map, const Points& source, const 
 
 TurningRegistration register_turning_scan(const VoxelMap& map, const SweepPoints& source,
                                           const Pose& guess, const RegistrationKernel& kernel) {
-  const TurningRegistration unchanged{guess, Eigen::Vector3d::Zero(), 0};
+  TurningRegistration unchanged{guess, Eigen::Vector3d::Zero(), 0};
   if (map.empty()) return unchanged;
   const auto max_distance = static_cast<float>(3.0 * kernel.sigma);
   TurningRegistration result = unchanged;
