@@ -2,11 +2,17 @@
 # -Wrestrict and -Wmaybe-uninitialized are left out: GCC 12 sees them in std::string and Eigen where they are not (GCC bug
 # 105651, 105562). -Warray-bounds and -Wstringop-* warn but do not fail, for the same reason.
 
-# groundloop_library(NAME): a library of all sources below the calling folder.
+# groundloop_library(NAME [PUBLIC LIBRARY...] [PRIVATE LIBRARY...] [SYSTEM_INCLUDES FOLDER...] SOURCES FILE...): the library
+# of one folder. PUBLIC names what its headers need, PRIVATE what only its sources need: that is how the direction of
+# dependencies is kept.
 function(groundloop_library name)
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp)
-  add_library(${name} STATIC ${sources})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;SYSTEM_INCLUDES;SOURCES" ${ARGN})
+  add_library(${name} STATIC ${arg_SOURCES})
   target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  if(arg_SYSTEM_INCLUDES)
+    target_include_directories(${name} SYSTEM PRIVATE ${arg_SYSTEM_INCLUDES})
+  endif()
+  target_link_libraries(${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   groundloop_compile_options(${name})
 endfunction()
 

@@ -1,5 +1,5 @@
 // Local maps on disk: binary PCD with float x, y, z, and nothing else. Clouds of others are read by
-// frontend/sources.
+// frontend/recordings.
 #pragma once
 
 #include <filesystem>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "frontend/recording.hpp"
+#include "frontend/recordings/recording.hpp"
 
 namespace groundloop {
 

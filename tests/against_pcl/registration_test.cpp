@@ -1,5 +1,5 @@
 // Our registration against PCL's generalised ICP on the same real scans: at least as accurate.
-#include "backend/registration.hpp"
+#include "backend/registration/registration.hpp"
 
 #include <limits>
 #include <numbers>

@@ -7,14 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/config.hpp"
-#include "backend/closure_anchor.hpp"
-#include "backend/odometry_scale.hpp"
-#include "backend/session_solver.hpp"
-#include "backend/stored_session.hpp"
-#include "backend/trajectory_evaluation.hpp"
+#include "apps/config/config.hpp"
+#include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/judging/odometry_scale.hpp"
+#include "backend/mapping/closure_anchor.hpp"
+#include "backend/mapping/session_solver.hpp"
+#include "backend/session/stored_session.hpp"
 #include "frontend/core/error.hpp"
-#include "frontend/recording.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 #include "loopclosure/loop_database.hpp"
 
 namespace groundloop {
@@ -153,7 +154,7 @@ int run(int count, char** arguments) {
   StoredSession session = load_session(folder, config.slam.loop_closure);
   Study study{session.folder, session.parts.front(), {}, config, {}};
   study.truth =
-      truth.empty() ? open_recording(study.part.recording)->ground_truth() : read_tum(truth);
+      truth.empty() ? open_any_recording(study.part.recording)->ground_truth() : read_tum(truth);
   if (!study.truth.empty()) {
     const TrajectoryEvaluation e = evaluate_trajectory(study.part.odometry, study.truth);
     if (e.pairs.size() != study.part.odometry.size()) {

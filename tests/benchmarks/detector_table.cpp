@@ -19,11 +19,11 @@
 #include <vector>
 
 #include "frontend/core/error.hpp"
-#include "frontend/local_map_builder.hpp"
-#include "frontend/preprocessing.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+#include "frontend/odometry/preprocessing.hpp"
 #include "frontend/simulation/simulation.hpp"
 #include "loopclosure/describe.hpp"
-#include "loopclosure/evaluation.hpp"
+#include "loopclosure/evaluation/evaluation.hpp"
 #include "loopclosure/loop_database.hpp"
 
 namespace groundloop {

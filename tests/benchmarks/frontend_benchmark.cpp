@@ -2,11 +2,12 @@
 // registration of a scan, local maps.
 #include <benchmark/benchmark.h>
 
-#include "frontend/local_map_builder.hpp"
-#include "frontend/odometry.hpp"
-#include "frontend/preprocessing.hpp"
-#include "frontend/recording.hpp"
-#include "frontend/voxel_map.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+#include "frontend/odometry/odometry.hpp"
+#include "frontend/odometry/preprocessing.hpp"
+#include "frontend/odometry/voxel_map.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop {
 namespace {
@@ -16,7 +17,7 @@ const std::vector<Scan>& scans() {
     RecordingOptions options;
     options.first = 100;
     options.count = 20;
-    const auto recording = open_recording("sim:town?sensor=spin64&length=500&seed=1", options);
+    const auto recording = open_any_recording("sim:town?sensor=spin64&length=500&seed=1", options);
     std::vector<Scan> result;
     for (std::size_t i = 0; i < recording->size(); ++i) result.push_back(recording->read(i));
     return result;

@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include "backend/map_assembly.hpp"
+#include "backend/map/map_assembly.hpp"
 #include "frontend/core/pcd.hpp"
 #include "tests/support/street_scene.hpp"
 

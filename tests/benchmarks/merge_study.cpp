@@ -8,15 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "apps/config.hpp"
-#include "backend/graph_chains.hpp"
-#include "backend/ground_footprint.hpp"
-#include "backend/map_store.hpp"
-#include "backend/pairwise_consistency.hpp"
-#include "backend/session_matching.hpp"
-#include "backend/trajectory_evaluation.hpp"
+#include "apps/config/config.hpp"
+#include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/graph/graph_chains.hpp"
+#include "backend/judging/pairwise_consistency.hpp"
+#include "backend/merging/session_matching.hpp"
+#include "backend/registration/ground_footprint.hpp"
+#include "backend/session/map_store.hpp"
 #include "frontend/core/error.hpp"
-#include "frontend/recording.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop {
 namespace {
@@ -33,7 +34,7 @@ struct Side {
 
 Side load(const std::string& folder, const apps::Config& config) {
   Side side{load_session(folder, config.slam.loop_closure), {}, nullptr};
-  const Trajectory truth = open_recording(side.part().recording)->ground_truth();
+  const Trajectory truth = open_any_recording(side.part().recording)->ground_truth();
   if (truth.empty()) throw InputError(folder + ": its recording has no ground truth");
   const TrajectoryEvaluation odometry = evaluate_trajectory(side.part().odometry, truth);
   std::vector<Pose> by_scan(side.part().odometry.size());

@@ -8,9 +8,9 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
-#include "backend/g2o_file.hpp"
-#include "backend/optimizer.hpp"
-#include "backend/pairwise_consistency.hpp"
+#include "backend/graph/g2o_file.hpp"
+#include "backend/judging/optimizer.hpp"
+#include "backend/judging/pairwise_consistency.hpp"
 #include "tests/support/false_closures.hpp"
 #include "tests/support/simulated_graph.hpp"
 

@@ -7,7 +7,8 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include "frontend/layouts/layout_writer.hpp"
+#include "frontend/simulation/layouts/layout_writer.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop {
 namespace {
@@ -43,7 +44,7 @@ void read_layout(benchmark::State& state, const std::string& layout) {
       fs::temp_directory_path() / ("groundloop_reading_" + std::to_string(::getpid()) + layout);
   Full full;
   write_layout(full, layout, folder);
-  const auto recording = open_recording(folder.string());
+  const auto recording = open_any_recording(folder.string());
   std::size_t index = 0, points = 0;
   for (auto _ : state) {
     const Scan scan = recording->read(index++ % recording->size());

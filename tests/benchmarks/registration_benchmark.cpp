@@ -1,9 +1,9 @@
 // Verification of one loop-closure candidate, by stage, on maps the size of local maps.
 #include <benchmark/benchmark.h>
 
-#include "backend/map_quality.hpp"
-#include "backend/overlap.hpp"
-#include "backend/verification.hpp"
+#include "backend/mapping/map_quality.hpp"
+#include "backend/registration/overlap.hpp"
+#include "backend/registration/verification.hpp"
 #include "tests/support/street_scene.hpp"
 
 namespace groundloop {

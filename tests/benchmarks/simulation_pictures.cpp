@@ -14,7 +14,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "frontend/core/error.hpp"
-#include "frontend/local_map_builder.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 #include "frontend/simulation/simulation.hpp"
 #include "loopclosure/density_image.hpp"
 #include "loopclosure/features.hpp"
@@ -108,7 +109,7 @@ void add(Statistics& sum, const LocalMap& map, const DensityImage& image,
 }
 
 void draw(const std::string& path, const std::string& picture, std::size_t most_maps) {
-  std::unique_ptr<Recording> recording = open_recording(path);
+  std::unique_ptr<Recording> recording = open_any_recording(path);
   const auto* simulation = dynamic_cast<const SimulatedRecording*>(recording.get());
   const Trajectory truth = recording->ground_truth();
   if (truth.size() != recording->size()) throw InputError(path + ": has no pose for each scan");

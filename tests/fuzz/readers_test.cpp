@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "frontend/core/error.hpp"
-#include "frontend/layouts/layout_writer.hpp"
-#include "frontend/sources/point_cloud2.hpp"
-#include "frontend/sources/point_files.hpp"
+#include "frontend/recordings/point_cloud2.hpp"
+#include "frontend/recordings/point_files.hpp"
+#include "frontend/simulation/layouts/layout_writer.hpp"
 #include "tests/support/point_cloud2_bytes.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -140,15 +140,15 @@ TEST(DamagedBytes, OfPointCloud2GiveACloudOrInputError) {
     const std::string message =
         mutate(cdr ? testing::cdr_cloud(spec, seed % 4 == 0) : testing::ros1_cloud(spec), seed);
     const auto bytes = std::as_bytes(std::span(message.data(), message.size()));
-    const auto encoding = cdr ? sources::Encoding::cdr : sources::Encoding::ros1;
+    const auto encoding = cdr ? recordings::Encoding::cdr : recordings::Encoding::ros1;
     survives(
         [&] {
-          (void)sources::parse_cloud_header(bytes, encoding);
-          const sources::Cloud cloud = sources::parse_cloud(bytes, encoding, "message");
-          const auto times = sources::infer_time_model(
+          (void)recordings::parse_cloud_header(bytes, encoding);
+          const recordings::Cloud cloud = recordings::parse_cloud(bytes, encoding, "message");
+          const auto times = recordings::infer_time_model(
               cloud.table.layout, cloud.data, cloud.table.count, cloud.header.stamp, 100'000'000);
-          (void)sources::decode_points(cloud.table.layout, cloud.data, cloud.table.count,
-                                       cloud.header.stamp, times, "message");
+          (void)recordings::decode_points(cloud.table.layout, cloud.data, cloud.table.count,
+                                          cloud.header.stamp, times, "message");
         },
         seed);
   }
@@ -175,11 +175,11 @@ TEST(DamagedBytes, OfPcdAndPlyGivePointsOrInputError) {
     std::vector<std::byte> bytes(view.begin(), view.end());
     survives(
         [&] {
-          const sources::PointTable table =
-              seed % 3 == 0 ? sources::parse_pcd(bytes, "file") : sources::parse_ply(bytes, "file");
+          const recordings::PointTable table = seed % 3 == 0 ? recordings::parse_pcd(bytes, "file")
+                                                             : recordings::parse_ply(bytes, "file");
           const auto times =
-              sources::infer_time_model(table.layout, bytes, table.count, 0, 100'000'000);
-          (void)sources::decode_points(table.layout, bytes, table.count, 0, times, "file");
+              recordings::infer_time_model(table.layout, bytes, table.count, 0, 100'000'000);
+          (void)recordings::decode_points(table.layout, bytes, table.count, 0, times, "file");
         },
         seed);
   }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "apps/commands.hpp"
+#include "apps/commands/commands.hpp"
 
 namespace groundloop::testing {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "backend/pose_graph.hpp"
+#include "backend/graph/pose_graph.hpp"
 
 namespace groundloop::testing {
 

@@ -9,8 +9,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "backend/odometry_information.hpp"
-#include "backend/pose_graph.hpp"
+#include "backend/graph/odometry_information.hpp"
+#include "backend/graph/pose_graph.hpp"
 
 namespace groundloop::testing {
 

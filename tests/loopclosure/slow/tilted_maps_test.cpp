@@ -5,9 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "frontend/local_map_builder.hpp"
-#include "frontend/preprocessing.hpp"
-#include "frontend/recording.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+#include "frontend/odometry/preprocessing.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 #include "loopclosure/ground_alignment.hpp"
 
 namespace groundloop {
@@ -15,7 +16,7 @@ namespace {
 
 // A local map of every fifth scan at true poses, over about 60 m.
 Points true_map(const std::string& sensor) {
-  const auto recording = open_recording("sim:town?sensor=" + sensor + "&length=60&seed=3");
+  const auto recording = open_any_recording("sim:town?sensor=" + sensor + "&length=60&seed=3");
   const Trajectory truth = recording->ground_truth();
   LocalMapBuilder builder(LocalMapOptions{});
   for (std::size_t i = 0; i < recording->size(); i += 5) {

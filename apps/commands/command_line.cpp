@@ -1,0 +1,82 @@
+#include <cstdio>
+#include <exception>
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands/commands.hpp"
+#include "frontend/core/error.hpp"
+#include "frontend/core/parallel.hpp"
+
+namespace groundloop::apps {
+namespace {
+
+void set_up_logging(const Context& context) {
+  auto logger = spdlog::get("groundloop");
+  if (!logger) logger = spdlog::stderr_logger_mt("groundloop");
+  logger->set_pattern("%^%l%$: %v");
+  logger->set_level(context.quiet     ? spdlog::level::warn
+                    : context.verbose ? spdlog::level::debug
+                                      : spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+// The message as one line on standard error.
+void print_error(const char* what) {
+  std::string line(what);
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::fprintf(stderr, "groundloop: %s\n", line.c_str());
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  Context context;
+  CLI::App app{
+      "Offline LiDAR SLAM for recorded sequences: odometry, loop closing, pose graph, map."};
+  app.name("groundloop");
+  app.set_version_flag("--version", std::string("groundloop " GROUNDLOOP_VERSION));
+  app.add_flag("--quiet", context.quiet, "only warnings and errors");
+  app.add_flag("--verbose", context.verbose, "more detail");
+  app.add_option("--threads", context.threads, "threads to use (0: all cores)")
+      ->check(CLI::Range(0, 1024));
+  app.require_subcommand(1);
+  app.fallthrough();
+  add_run_command(app, context);
+  add_demo_command(app, context);
+  add_evaluate_command(app, context);
+  add_export_command(app, context);
+  add_inspect_command(app, context);
+  add_simulate_command(app, context);
+  add_optimize_command(app, context);
+  add_match_command(app, context);
+  add_merge_command(app, context);
+  add_config_command(app, context);
+  // Subcommands run in their callbacks, after this.
+  app.parse_complete_callback([&] {
+    set_up_logging(context);
+    set_thread_count(context.threads);
+  });
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    print_error((std::string(e.what()) + "; see groundloop --help").c_str());
+    return 2;
+  } catch (const InputError& e) {
+    print_error(e.what());
+    return 2;
+  } catch (const Interrupted&) {
+    print_error("interrupted; run the same command with --resume to go on");
+    return 130;
+  } catch (const std::exception& e) {
+    print_error(e.what());
+    return 1;
+  }
+}
+
+}  // namespace groundloop::apps

@@ -1,0 +1,324 @@
+#include "apps/commands/merge.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <spdlog/spdlog.h>
+
+#include "apps/commands/progress_bar.hpp"
+#include "apps/commands/run.hpp"
+#include "apps/report/merge_documents.hpp"
+#include "backend/graph/g2o_file.hpp"
+#include "backend/map/map_assembly.hpp"
+#include "frontend/core/error.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
+#include "loopclosure/loop_database.hpp"
+
+namespace groundloop::apps {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+MergeOptions merge_options(const Config& config) {
+  const SlamOptions& slam = config.slam;
+  MergeOptions options;
+  options.odometry_information = config.slam.odometry_information;
+  options.matching = {slam.loop_closure, slam.closures, slam.verification, slam.registration};
+  options.connection = config.connection;
+  options.optimizer = slam.pose_graph;
+  options.revisits = slam.revisits;
+  return options;
+}
+
+bool same_folder(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
+// Refuses a folder that holds something else, and clears what an earlier merge left.
+void prepare_folder(const MergeRequest& request) {
+  for (const fs::path& session : request.sessions) {
+    if (same_folder(session, request.out)) {
+      throw InputError(request.out.string() +
+                       ": is one of the sessions to merge; choose another --out");
+    }
+  }
+  const SessionFolder folder(request.out);
+  std::error_code error;
+  if (fs::exists(request.out)) {
+    if (!fs::is_directory(request.out))
+      throw InputError(request.out.string() + ": is no folder; choose another --out");
+    if (!fs::is_empty(request.out, error) && !fs::exists(folder.file("manifest.json"))) {
+      throw InputError(request.out.string() +
+                       ": holds files that are no session; choose another --out");
+    }
+    // The manifest goes first: what is left without it is no session.
+    fs::remove(folder.file("manifest.json"), error);
+    fs::remove_all(request.out / "local_maps", error);
+    fs::remove_all(request.out / "sessions", error);
+  }
+  fs::create_directories(request.out / "local_maps", error);
+  if (error) {
+    throw InputError(request.out.string() + ": cannot be written: " + error.message() +
+                     "; choose another --out");
+  }
+}
+
+std::vector<StoredSession> load_sessions(const MergeRequest& request,
+                                         std::vector<LeftOut>& left_out) {
+  std::vector<StoredSession> sessions;
+  for (std::size_t i = 0; i < request.sessions.size(); ++i) {
+    const fs::path& path = request.sessions[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      if (same_folder(path, request.sessions[j]))
+        throw InputError(path.string() + ": named twice; a session is merged once");
+    }
+    try {
+      sessions.push_back(load_session(path, request.config.slam.loop_closure));
+    } catch (const InputError& e) {
+      spdlog::warn("session '{}' is left out: {}", SessionFolder(path).name(), e.what());
+      left_out.push_back({path.string(), e.what()});
+    }
+  }
+  if (sessions.size() < 2) {
+    throw InputError(std::to_string(sessions.size()) + " usable session" +
+                     (sessions.size() == 1 ? "" : "s") + " of " +
+                     std::to_string(request.sessions.size()) + "; a merge needs two" +
+                     (left_out.empty() ? "" : "; first fault: " + left_out.front().reason));
+  }
+  return sessions;
+}
+
+std::optional<std::size_t> fixed_session(const MergeRequest& request,
+                                         const std::vector<StoredSession>& sessions) {
+  if (request.fixed.empty()) return std::nullopt;
+  for (std::size_t s = 0; s < sessions.size(); ++s) {
+    if (sessions[s].folder.name() == request.fixed ||
+        same_folder(sessions[s].folder.path(), request.fixed))
+      return s;
+  }
+  throw InputError("--fix " + request.fixed + ": is none of the sessions that can be used");
+}
+
+std::vector<PairMatches> load_matches(const std::vector<fs::path>& files) {
+  std::vector<PairMatches> all;
+  for (const fs::path& file : files) {
+    try {
+      for (PairMatches& pair : read_matches(file)) all.push_back(std::move(pair));
+    } catch (const InputError& e) {
+      spdlog::warn("{}; its sessions are matched anew", e.what());
+    }
+  }
+  return all;
+}
+
+// What came with the recording, or the file that was named; empty where neither can be read.
+Trajectory ground_truth_of(const SessionPart& part, const MergeRequest& request) {
+  std::unique_ptr<Recording> recording;
+  try {
+    recording = open_any_recording(part.recording);
+  } catch (const InputError& e) {
+    spdlog::debug("no ground truth from '{}': {}", part.name, e.what());
+  }
+  const auto file = request.ground_truth.find(part.name);
+  if (file == request.ground_truth.end())
+    return recording ? recording->ground_truth() : Trajectory();
+  return recording ? read_ground_truth(file->second, *recording) : read_tum(file->second);
+}
+
+// Maps keep their files: linked where the disk allows it, else copied.
+void bring_local_maps(const SessionFolder& out, const MergeResult& result,
+                      const std::vector<StoredSession>& sessions) {
+  for (const MergedPart& part : result.parts) {
+    for (const LocalMapRecord& map : part.maps) {
+      const fs::path from =
+          sessions[part.session].folder.local_map(part.source->first_map + map.map);
+      const fs::path to = out.local_map(part.first_map + map.map);
+      std::error_code error;
+      fs::create_hard_link(from, to, error);
+      if (error) fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+      if (error) throw InputError(to.string() + ": cannot be written: " + error.message());
+    }
+  }
+}
+
+void write_map(const SessionFolder& out, const MergeResult& result, const MapSection& options,
+               const Progress& progress) {
+  std::vector<MapPiece> pieces;
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    const MergedPart& part = result.parts[p];
+    if (part.frame != result.parts.front().frame) continue;
+    for (const LocalMapRecord& map : part.maps) {
+      pieces.push_back(bent_piece(out.local_map(part.first_map + map.map), map, part.odometry,
+                                  part.trajectory, static_cast<std::uint16_t>(p)));
+    }
+  }
+  const auto writer = open_point_cloud_writer(out.file("map.pcd"), true);
+  MapAssemblyOptions assembly;
+  assembly.voxel_size = options.voxel_size;
+  assemble_map(pieces, assembly, *writer, out.path(), progress);
+  writer->finish();
+}
+
+void write_trajectories(const SessionFolder& folder, const Trajectory& odometry,
+                        const Trajectory& trajectory, const std::vector<LocalMapRecord>& maps) {
+  write_tum(folder.file("odometry.tum"), odometry);
+  write_tum(folder.file("trajectory.tum"), trajectory);
+  write_kitti_poses(folder.file("trajectory.kitti"), trajectory);
+  write_local_maps(folder.file("local_maps.csv"), maps);
+}
+
+// Tables of each recording and of the whole, where maps and scans are numbered through.
+void write_tables(const SessionFolder& out, const MergeResult& result,
+                  const LoopClosureOptions& options) {
+  Trajectory odometry;
+  Trajectory trajectory;
+  std::vector<LocalMapRecord> maps;
+  LoopDatabase database(options);
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    const MergedPart& part = result.parts[p];
+    const SessionFolder own(out.path() / "sessions" / part.source->name);
+    fs::create_directories(own.path());
+    write_trajectories(own, part.odometry, part.trajectory, part.maps);
+    odometry.insert(odometry.end(), part.odometry.begin(), part.odometry.end());
+    trajectory.insert(trajectory.end(), part.trajectory.begin(), part.trajectory.end());
+    for (LocalMapRecord map : part.maps) {
+      map.map += part.first_map;
+      map.first_scan += part.first_scan;
+      map.last_scan += part.first_scan;
+      maps.push_back(map);
+    }
+    for (MapDescription description : part.source->descriptions) {
+      description.key.session = static_cast<int>(p);
+      database.insert(std::move(description));
+    }
+  }
+  write_trajectories(out, odometry, trajectory, maps);
+  write_closures(out.file("closures.csv"), result.closures);
+  write_g2o(out.file("pose_graph.g2o"), result.graph);
+  database.save(out.file("loop_database.bin"));
+}
+
+void log_evaluation(const MergeResult& result, const MergeEvaluation& evaluation) {
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    if (!evaluation.optimised[p]) continue;
+    spdlog::info("'{}': APE {:.3f} m rmse after SE(3) alignment, {:.3f} m by odometry",
+                 result.parts[p].source->name, evaluation.optimised[p]->ape.translation_m.rmse,
+                 evaluation.odometry[p]->ape.translation_m.rmse);
+    if (evaluation.by_reference[p]) {
+      spdlog::info("'{}': APE {:.3f} m rmse by the alignment of '{}'", result.parts[p].source->name,
+                   evaluation.by_reference[p]->ape.translation_m.rmse,
+                   result.parts[result.parts[p].frame].source->name);
+    }
+  }
+  if (evaluation.joint) {
+    spdlog::info("all sessions of the first frame with one alignment: APE {:.3f} m rmse",
+                 evaluation.joint->ape.translation_m.rmse);
+  }
+}
+
+}  // namespace
+
+void merge_recordings(const MergeRequest& request, const Context& context) {
+  const auto start = Clock::now();
+  validate_config(request.config);
+  std::vector<LeftOut> left_out;
+  const std::vector<StoredSession> sessions = load_sessions(request, left_out);
+  const std::optional<std::size_t> fixed = fixed_session(request, sessions);
+  const std::vector<PairMatches> matches = load_matches(request.matches);
+  for (const auto& [name, file] : request.ground_truth) {
+    bool known = false;
+    for (const StoredSession& session : sessions) {
+      for (const SessionPart& part : session.parts) known = known || part.name == name;
+    }
+    if (!known) throw InputError("--ground-truth " + name + "=...: no such session");
+  }
+  stop_on_signals();
+  const Progress progress = make_progress(context);
+  const bool existed = fs::exists(request.out);
+  prepare_folder(request);
+  const SessionFolder out(request.out);
+  MergeResult result;
+  double map_seconds = 0.0;
+  try {
+    result = merge_sessions(sessions, matches, fixed, merge_options(request.config), progress);
+    write_text_atomically(out.file("config.yaml"), to_yaml(request.config));
+    bring_local_maps(out, result, sessions);
+    write_tables(out, result, request.config.slam.loop_closure);
+    const auto map_start = Clock::now();
+    if (request.config.map.write) write_map(out, result, request.config.map, progress);
+    map_seconds = seconds_since(map_start);
+  } catch (...) {
+    end_progress();
+    std::error_code error;
+    if (!existed) fs::remove_all(request.out, error);
+    throw;
+  }
+  end_progress();
+  std::vector<Trajectory> truths;
+  for (const MergedPart& part : result.parts)
+    truths.push_back(ground_truth_of(*part.source, request));
+  const MergeEvaluation evaluation = evaluate_merge(result, std::move(truths));
+  write_text_atomically(out.file("report.html"),
+                        merge_report(result, evaluation, left_out, request.config));
+  std::string log;
+  for (const std::string& note : result.notes) log += note + "\n";
+  for (const LeftOut& l : left_out) log += "left out: " + l.path + ": " + l.reason + "\n";
+  write_text_atomically(out.file("run.log"), log);
+  write_text_atomically(
+      out.file("metrics.json"),
+      merge_metrics(result, evaluation, map_seconds, seconds_since(start)).dump(2) + "\n");
+  write_text_atomically(out.file("manifest.json"),
+                        merge_manifest(out, result, sessions, left_out).dump(2) + "\n");
+  for (const MergedPart& part : result.parts) {
+    if (part.frame != result.parts.front().frame) {
+      spdlog::warn(
+          "'{}' is not connected to '{}': its poses are in the frame of '{}', and "
+          "map.pcd does not hold it",
+          part.source->name, result.parts.front().source->name,
+          result.parts[part.frame].source->name);
+    }
+  }
+  log_evaluation(result, evaluation);
+}
+
+void match_recordings(const MatchRequest& request, const Context& context) {
+  validate_config(request.config);
+  const LoopClosureOptions& loop_closure = request.config.slam.loop_closure;
+  const StoredSession reference = load_session(request.reference, loop_closure);
+  const StoredSession query = load_session(request.query, loop_closure);
+  const SessionMatchingOptions options = merge_options(request.config).matching;
+  MapStore references(reference.folder, options.registration);
+  MapStore queries(query.folder, options.registration);
+  stop_on_signals();
+  const Progress progress = make_progress(context);
+  std::vector<PairMatches> pairs;
+  for (const SessionPart& r : reference.parts) {
+    for (const SessionPart& q : query.parts) {
+      if (r.name == q.name) {
+        throw InputError("both sessions hold a recording called '" + r.name +
+                         "'; rename one of the folders");
+      }
+      pairs.push_back(match_parts(r, references, q, queries, options, nullptr, progress));
+    }
+  }
+  end_progress();
+  std::size_t candidates = 0;
+  std::size_t verified = 0;
+  for (const PairMatches& pair : pairs) {
+    candidates += pair.closures.size();
+    for (const ClosureRecord& c : pair.closures)
+      verified += c.status == ClosureStatus::accepted ? 1 : 0;
+  }
+  write_matches(request.out, pairs);
+  spdlog::info("{}: {} candidates, {} verified", request.out.string(), candidates, verified);
+}
+
+}  // namespace groundloop::apps

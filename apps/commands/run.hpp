@@ -1,0 +1,30 @@
+// One run: recording in, session out. What `groundloop run` and `groundloop demo` share.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "apps/commands/commands.hpp"
+#include "apps/config/config.hpp"
+#include "frontend/recordings/recording.hpp"
+
+namespace groundloop::apps {
+
+struct RunRequest {
+  std::string recording;
+  std::filesystem::path out;
+  RecordingOptions reading;
+  std::string ground_truth;  ///< file; empty: what came with the recording
+  Config config;
+  bool resume = false;
+};
+
+/// Runs all stages and leaves a session in `out`; prints what was found and the errors before and
+/// after to standard error.
+void run_recording(const RunRequest& request, const Context& context);
+
+/// Ground truth from a file: 8 columns are TUM, 12 are KITTI, one row a scan. Throws InputError.
+[[nodiscard]] Trajectory read_ground_truth(const std::filesystem::path& file,
+                                           const Recording& recording);
+
+}  // namespace groundloop::apps

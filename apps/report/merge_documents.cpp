@@ -1,0 +1,287 @@
+#include "apps/report/merge_documents.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "apps/report/session_documents.hpp"
+#include "apps/report/trajectory_evaluation_json.hpp"
+#include "frontend/core/files.hpp"
+
+namespace groundloop::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hex(std::uint64_t value) {
+  std::array<char, 20> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%016llx", static_cast<unsigned long long>(value));
+  return buffer.data();
+}
+
+Json ape(const std::optional<TrajectoryEvaluation>& e) {
+  return e ? to_json(*e, TrajectoryEvaluationOptions{}).at("ape") : Json();
+}
+
+// T_world_scan of the ground truth at the first scan of each map.
+std::vector<std::optional<Pose>> true_poses(const MergedPart& part, const Trajectory& truth,
+                                            const std::optional<TrajectoryEvaluation>& e) {
+  std::vector<std::optional<Pose>> by_scan(part.trajectory.size());
+  if (e) {
+    for (const auto& [scan, row] : e->pairs) by_scan[scan] = truth[row].pose;
+  }
+  std::vector<std::optional<Pose>> poses;
+  for (const LocalMapRecord& map : part.maps) poses.push_back(by_scan[map.first_scan]);
+  return poses;
+}
+
+// The poses of a recording that have ground truth, with stamps that no other recording has.
+void append_pairs(const MergedPart& part, const Trajectory& truth, const TrajectoryEvaluation& e,
+                  Trajectory& estimates, Trajectory& truths) {
+  constexpr Nanoseconds kApart = 1'000'000'000;
+  for (const auto& [scan, row] : e.pairs) {
+    const Nanoseconds stamp = static_cast<Nanoseconds>(estimates.size()) * kApart;
+    estimates.push_back({stamp, part.trajectory[scan].pose});
+    truths.push_back({stamp, truth[row].pose});
+  }
+}
+
+TrajectoryEvaluation by_alignment(const Alignment& alignment, Trajectory estimates,
+                                  const Trajectory& truths) {
+  for (StampedPose& p : estimates) p.pose = alignment.pose * p.pose;
+  TrajectoryEvaluationOptions options;
+  options.alignment = "none";
+  return evaluate_trajectory(estimates, truths, options);
+}
+
+void add_closure_errors(const MergeResult& result, MergeEvaluation& evaluation) {
+  const auto part_of = [&](const std::string& name) {
+    std::size_t p = 0;
+    while (result.parts[p].source->name != name) ++p;
+    return p;
+  };
+  std::vector<std::vector<std::optional<Pose>>> poses;
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    poses.push_back(
+        true_poses(result.parts[p], evaluation.ground_truth[p], evaluation.optimised[p]));
+  }
+  for (const ClosureRecord& c : result.closures) {
+    if (c.status != ClosureStatus::accepted || c.reference_session == c.query_session) continue;
+    const std::optional<Pose>& r = poses[part_of(c.reference_session)][c.reference_map];
+    const std::optional<Pose>& q = poses[part_of(c.query_session)][c.query_map];
+    if (!r || !q) continue;
+    const Pose error = (q->inverse() * *r).inverse() * c.T_query_reference;
+    evaluation.closure_errors.emplace_back(error.translation.norm(),
+                                           rotation_angle(error.rotation) * 180.0 / M_PI);
+  }
+}
+
+Json closure_counts(const MergeResult& result) {
+  std::size_t candidates = 0;
+  std::size_t accepted = 0;
+  std::size_t between = 0;
+  std::size_t between_accepted = 0;
+  for (const ClosureRecord& c : result.closures) {
+    const bool two = c.reference_session != c.query_session;
+    candidates += c.source == ClosureSource::detector ? 1 : 0;
+    between += two && c.source == ClosureSource::detector ? 1 : 0;
+    if (c.status != ClosureStatus::accepted) continue;
+    ++accepted;
+    between_accepted += two ? 1 : 0;
+  }
+  return {{"candidates", candidates},
+          {"accepted", accepted},
+          {"between_sessions", {{"candidates", between}, {"accepted", between_accepted}}}};
+}
+
+// KITTI's segments, and where the way ends once its beginning is put on the ground truth's.
+Json drift(const MergedPart& part, const MergeEvaluation& evaluation, std::size_t p) {
+  const std::optional<TrajectoryEvaluation>& e = evaluation.odometry[p];
+  if (!e || e->pairs.empty()) return {};
+  const Trajectory& truth = evaluation.ground_truth[p];
+  const auto travelled = [&](const Trajectory& trajectory, std::size_t from, std::size_t to) {
+    return trajectory[from].pose.inverse() * trajectory[to].pose;
+  };
+  const auto [first, first_row] = e->pairs.front();
+  const auto [last, last_row] = e->pairs.back();
+  const Pose error =
+      travelled(truth, first_row, last_row).inverse() * travelled(part.odometry, first, last);
+  return {
+      {"kitti_translation_percent", e->kitti_translation_percent},
+      {"end_error_m", error.translation.norm()},
+      {"end_error_percent", 100.0 * error.translation.norm() / std::max(1e-9, e->path_length_m)}};
+}
+
+const std::string& name_of(const MergeResult& result, int part) {
+  return result.parts[part].source->name;
+}
+
+Json pair_document(const MergeResult& result, const SessionPair& pair) {
+  const auto maps = static_cast<double>(result.parts[pair.query].maps.size());
+  return {{"reference", name_of(result, pair.reference)},
+          {"query", name_of(result, pair.query)},
+          {"one_frame", result.parts[pair.reference].frame == result.parts[pair.query].frame},
+          {"merged_before", pair.joined_before},
+          {"matches_from_file", pair.from_file},
+          {"candidates", pair.candidates},
+          {"verified", pair.verified},
+          {"accepted", pair.accepted},
+          {"overlap", static_cast<double>(pair.shared_maps) / maps}};
+}
+
+}  // namespace
+
+MergeEvaluation evaluate_merge(const MergeResult& result, std::vector<Trajectory> ground_truth) {
+  MergeEvaluation evaluation;
+  evaluation.ground_truth = std::move(ground_truth);
+  const std::size_t n = result.parts.size();
+  evaluation.odometry.resize(n);
+  evaluation.optimised.resize(n);
+  evaluation.by_reference.resize(n);
+  Trajectory all;
+  Trajectory all_truths;
+  bool whole = true;
+  for (std::size_t p = 0; p < n; ++p) {
+    const MergedPart& part = result.parts[p];
+    const Trajectory& truth = evaluation.ground_truth[p];
+    whole = whole && (part.frame != result.parts.front().frame || !truth.empty());
+    if (truth.empty()) continue;
+    evaluation.odometry[p] = evaluate_trajectory(part.odometry, truth);
+    evaluation.optimised[p] = evaluate_trajectory(part.trajectory, truth);
+    if (part.frame == result.parts.front().frame)
+      append_pairs(part, truth, *evaluation.optimised[p], all, all_truths);
+  }
+  for (std::size_t p = 0; p < n; ++p) {
+    const auto& reference = evaluation.optimised[result.parts[p].frame];
+    if (!evaluation.optimised[p] || !reference || result.parts[p].frame == static_cast<int>(p))
+      continue;
+    Trajectory estimates;
+    Trajectory truths;
+    append_pairs(result.parts[p], evaluation.ground_truth[p], *evaluation.optimised[p], estimates,
+                 truths);
+    evaluation.by_reference[p] = by_alignment(reference->alignment, std::move(estimates), truths);
+  }
+  if (whole && !all.empty()) evaluation.joint = evaluate_trajectory(all, all_truths);
+  add_closure_errors(result, evaluation);
+  return evaluation;
+}
+
+Json merge_manifest(const SessionFolder& folder, const MergeResult& result,
+                    const std::vector<StoredSession>& sessions,
+                    const std::vector<LeftOut>& left_out) {
+  Json parts = Json::array();
+  std::size_t scans = 0;
+  int maps = 0;
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    const MergedPart& part = result.parts[p];
+    parts.push_back({{"name", part.source->name},
+                     {"input", sessions[part.session].folder.path().string()},
+                     {"recording", part.source->recording},
+                     {"sensor", part.source->sensor},
+                     {"scans", part.trajectory.size()},
+                     {"first_scan", part.first_scan},
+                     {"local_maps", part.maps.size()},
+                     {"first_map", part.first_map},
+                     {"frame", name_of(result, part.frame)},
+                     {"connected", std::count_if(result.parts.begin(), result.parts.end(),
+                                                 [&](const MergedPart& other) {
+                                                   return other.frame == part.frame;
+                                                 }) > 1},
+                     {"fixed", part.fixed}});
+    scans += part.trajectory.size();
+    maps += static_cast<int>(part.maps.size());
+  }
+  Json left = Json::array();
+  for (const LeftOut& l : left_out) left.push_back({{"input", l.path}, {"reason", l.reason}});
+  Json checksums;
+  for (const char* name :
+       {"config.yaml", "odometry.tum", "trajectory.tum", "trajectory.kitti", "closures.csv",
+        "pose_graph.g2o", "local_maps.csv", "loop_database.bin", "map.pcd"}) {
+    if (std::filesystem::exists(folder.file(name)))
+      checksums[name] = hex(fnv1a_of_file(folder.file(name)));
+  }
+  for (int m = 0; m < maps; ++m) {
+    const std::filesystem::path file = folder.local_map(m);
+    checksums["local_maps/" + file.filename().string()] = hex(fnv1a_of_file(file));
+  }
+  return {{"groundloop", GROUNDLOOP_VERSION},
+          {"session_format", 1},
+          {"name", folder.name()},
+          {"stage", "complete"},
+          {"scans", scans},
+          {"local_maps", maps},
+          {"seed", 0},
+          {"frames",
+           "poses of recordings of one frame are in the world of the recording that names it; ids "
+           "of maps and vertices are offset by first_map, rows of trajectories by first_scan; the "
+           "map holds the first frame"},
+          {"sessions", parts},
+          {"left_out", left},
+          {"connections", result.notes},
+          {"checksum", "FNV-1a, 64 bits"},
+          {"checksums", checksums}};
+}
+
+Json merge_metrics(const MergeResult& result, const MergeEvaluation& evaluation, double map_seconds,
+                   double total_seconds) {
+  std::size_t scans = 0;
+  std::size_t maps = 0;
+  double way = 0.0;
+  Json parts = Json::object();
+  for (std::size_t p = 0; p < result.parts.size(); ++p) {
+    const MergedPart& part = result.parts[p];
+    scans += part.trajectory.size();
+    maps += part.maps.size();
+    way += path_length(part.trajectory);
+    parts[part.source->name] = {{"scans", part.trajectory.size()},
+                                {"frame", name_of(result, part.frame)},
+                                {"odometry_scale", part.odometry_scale},
+                                {"odometry_drift", drift(part, evaluation, p)},
+                                {"ape",
+                                 {{"odometry", ape(evaluation.odometry[p])},
+                                  {"optimised", ape(evaluation.optimised[p])},
+                                  {"by_reference", ape(evaluation.by_reference[p])}}}};
+  }
+  Json pairs = Json::array();
+  for (const SessionPair& pair : result.pairs) pairs.push_back(pair_document(result, pair));
+  Json document{{"scans", scans},
+                {"local_maps", maps},
+                {"path_length_m", way},
+                {"closures", closure_counts(result)},
+                {"sessions", parts},
+                {"pairs", pairs},
+                {"connections", result.notes},
+                {"timing_s",
+                 {{"matching", result.times.matching},
+                  {"verification", result.times.verification},
+                  {"optimisation", result.times.optimisation},
+                  {"map", map_seconds},
+                  {"total", total_seconds}}},
+                {"peak_memory_mb", peak_memory_mb()}};
+  if (!evaluation.closure_errors.empty()) {
+    constexpr double kTrueWithin = 3.0;
+    std::vector<double> metres;
+    std::vector<double> degrees;
+    std::size_t right = 0;
+    for (const auto& [m, deg] : evaluation.closure_errors) {
+      metres.push_back(m);
+      degrees.push_back(deg);
+      right += m <= kTrueWithin ? 1 : 0;
+    }
+    document["closures_against_ground_truth"] = {
+        {"pairs", metres.size()},
+        {"true_within_m", kTrueWithin},
+        {"precision", static_cast<double>(right) / static_cast<double>(metres.size())},
+        {"translation_m", to_json(statistics(metres))},
+        {"rotation_deg", to_json(statistics(degrees))}};
+  }
+  if (evaluation.joint) {
+    document["ape"] = {{"alignment", "se3"},
+                       {"pairs", evaluation.joint->pairs.size()},
+                       {"optimised", ape(evaluation.joint)}};
+  }
+  return document;
+}
+
+}  // namespace groundloop::apps

@@ -1,0 +1,51 @@
+// The documents of a merged session: manifest.json, metrics.json and report.html.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/config/config.hpp"
+#include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/merging/session_merge.hpp"
+
+namespace groundloop::apps {
+
+/// A session that was not merged, and why.
+struct LeftOut {
+  std::string path, reason;
+};
+
+/// Errors against ground truth, one entry a recording; empty where there is none.
+struct MergeEvaluation {
+  std::vector<Trajectory> ground_truth;
+  std::vector<std::optional<TrajectoryEvaluation>> odometry;
+  std::vector<std::optional<TrajectoryEvaluation>> optimised;
+  /// Without an alignment of its own: by that of the recording that names the frame. What of the
+  /// error lies between the two.
+  std::vector<std::optional<TrajectoryEvaluation>> by_reference;
+  /// All recordings of the first frame with one alignment. The recordings' ground truths must be in
+  /// one world.
+  std::optional<TrajectoryEvaluation> joint;
+  /// Of the accepted closures between recordings, against ground truth: position and angle.
+  std::vector<std::pair<double, double>> closure_errors;
+};
+
+[[nodiscard]] MergeEvaluation evaluate_merge(const MergeResult& result,
+                                             std::vector<Trajectory> ground_truth);
+
+[[nodiscard]] nlohmann::ordered_json merge_manifest(const SessionFolder& folder,
+                                                    const MergeResult& result,
+                                                    const std::vector<StoredSession>& sessions,
+                                                    const std::vector<LeftOut>& left_out);
+
+[[nodiscard]] nlohmann::ordered_json merge_metrics(const MergeResult& result,
+                                                   const MergeEvaluation& evaluation,
+                                                   double map_seconds, double total_seconds);
+
+[[nodiscard]] std::string merge_report(const MergeResult& result, const MergeEvaluation& evaluation,
+                                       const std::vector<LeftOut>& left_out, const Config& config);
+
+}  // namespace groundloop::apps

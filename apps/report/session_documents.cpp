@@ -1,0 +1,172 @@
+#include "apps/report/session_documents.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include <sys/resource.h>
+
+#include "apps/report/trajectory_evaluation_json.hpp"
+#include "frontend/core/files.hpp"
+
+namespace groundloop::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hex(std::uint64_t value) {
+  std::array<char, 20> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%016llx", static_cast<unsigned long long>(value));
+  return buffer.data();
+}
+
+Json summary_document(const OptimizationSummary& s) {
+  return {{"cost_before", s.cost_before}, {"cost_after", s.cost_after},
+          {"iterations", s.iterations},   {"initialisation", s.initialisation},
+          {"termination", s.termination}, {"rejected_edges", s.rejected_edges.size()}};
+}
+
+Json quality_document(const MapQuality& quality) {
+  if (quality.pairs == 0) return {{"pairs", 0}};
+  const auto figures = [](const RevisitQuality& q) -> Json {
+    return {{"plane_thickness_m", q.plane_thickness}, {"entropy", q.entropy}, {"cells", q.cells}};
+  };
+  return {{"pairs", quality.pairs},
+          {"before", figures(quality.before)},
+          {"after", figures(quality.after)},
+          {"worse", quality.worse},
+          {"given_up", quality.given_up}};
+}
+
+Json ape_document(const TrajectoryEvaluation& e) {
+  return to_json(e, TrajectoryEvaluationOptions{}).at("ape");
+}
+
+Json kitti_document(const TrajectoryEvaluation& e) {
+  return to_json(e, TrajectoryEvaluationOptions{}).at("kitti");
+}
+
+}  // namespace
+
+Json recording_document(const RecordingInfo& info, std::size_t scans) {
+  return {{"path", info.path},
+          {"format", info.format},
+          {"sensor", info.sensor},
+          {"scans", scans},
+          {"point_times", info.point_times},
+          {"stamp_source", info.stamp_source},
+          {"fields", info.fields},
+          {"notes", info.notes},
+          {"out_of_order", info.out_of_order},
+          {"duplicates", info.duplicates},
+          {"gaps", info.gaps},
+          {"dropped_scans", info.dropped_scans}};
+}
+
+Json manifest_document(const SessionFolder& folder, const Recording& recording,
+                       const SlamResult& result, const std::string& stage) {
+  Json checksums;
+  for (const char* name :
+       {"config.yaml", "odometry.tum", "trajectory.tum", "trajectory.kitti", "closures.csv",
+        "pose_graph.g2o", "local_maps.csv", "loop_database.bin", "map.pcd"}) {
+    if (std::filesystem::exists(folder.file(name)))
+      checksums[name] = hex(fnv1a_of_file(folder.file(name)));
+  }
+  for (const LocalMapRecord& map : result.maps) {
+    const std::filesystem::path file = folder.local_map(map.map);
+    checksums["local_maps/" + file.filename().string()] = hex(fnv1a_of_file(file));
+  }
+  return {{"groundloop", GROUNDLOOP_VERSION},
+          {"session_format", 1},
+          {"stage", stage},
+          {"recording", recording_document(recording.info(), recording.size())},
+          {"sensor", recording.info().sensor},
+          {"scans", result.odometry.size()},
+          {"local_maps", result.maps.size()},
+          {"seed", 0},
+          {"stamps",
+           "the instant of a pose is that of its scan's stamp, the start of the scan unless the "
+           "format says "
+           "otherwise"},
+          {"checksum", "FNV-1a, 64 bits"},
+          {"checksums", checksums}};
+}
+
+Json metrics_document(const SlamResult& result, const std::optional<RunEvaluation>& evaluation) {
+  const auto count = [&](auto predicate) {
+    return std::count_if(result.closures.begin(), result.closures.end(), predicate);
+  };
+  Json closures;
+  closures["candidates"] =
+      count([](const ClosureRecord& c) { return c.source == ClosureSource::detector; });
+  closures["accepted"] =
+      count([](const ClosureRecord& c) { return c.status == ClosureStatus::accepted; });
+  closures["accepted_by_source"] = {
+      {"detector", count([](const ClosureRecord& c) {
+         return c.status == ClosureStatus::accepted && c.source == ClosureSource::detector;
+       })},
+      {"overlap", count([](const ClosureRecord& c) {
+         return c.status == ClosureStatus::accepted && c.source == ClosureSource::overlap;
+       })}};
+  Json by_status = Json::object();
+  for (const ClosureStatus status :
+       {ClosureStatus::accepted, ClosureStatus::few_inliers, ClosureStatus::icp_diverged,
+        ClosureStatus::low_overlap, ClosureStatus::inconsistent, ClosureStatus::outlier}) {
+    by_status[to_string(status)] =
+        count([&](const ClosureRecord& c) { return c.status == status; });
+  }
+  closures["by_status"] = by_status;
+  closures["overlap_pairs_tried"] = result.solution.revisits_tried;
+
+  const StageTimes& t = result.times;
+  Json document{{"scans", result.odometry.size()},
+                {"predicted_scans", result.predicted_scans},
+                {"local_maps", result.maps.size()},
+                {"path_length_m", path_length(result.solution.trajectory)},
+                {"closures", closures},
+                {"timing_s",
+                 {{"read", t.read},
+                  {"odometry", t.odometry},
+                  {"local_maps", t.local_maps},
+                  {"ground_alignment", t.ground_alignment},
+                  {"density_image", t.density_image},
+                  {"features", t.features},
+                  {"matching", t.matching},
+                  {"consensus", t.consensus},
+                  {"verification", t.verification},
+                  {"levelling", t.levelling},
+                  {"optimisation", t.optimisation},
+                  {"map_quality", t.map_quality},
+                  {"map", t.map},
+                  {"total", t.total}}},
+                {"scans_per_second",
+                 t.total > 0.0 ? static_cast<double>(result.odometry.size()) / t.total : 0.0},
+                {"peak_memory_mb", peak_memory_mb()},
+                {"pose_graph",
+                 {{"odometry_scale", result.solution.odometry_scale},
+                  {"key_poses", summary_document(result.solution.key_summary)},
+                  {"all_scans", summary_document(result.solution.summary)}}}};
+  const Levelling& levelling = result.solution.levelling;
+  document["levelling"] = {
+      {"applied", levelling.applied},       {"maps", levelling.maps},
+      {"bend_rad_per_m", levelling.bend},   {"bend_deviation_rad_per_m", levelling.bend_deviation},
+      {"walk_scale", levelling.walk_scale}, {"scatter_rad", levelling.scatter}};
+  document["map_quality"] = quality_document(result.solution.map_quality);
+  if (evaluation) {
+    document["ape"] = {{"alignment", "se3"},
+                       {"pairs", evaluation->optimised.pairs.size()},
+                       {"odometry", ape_document(evaluation->odometry)},
+                       {"optimised", ape_document(evaluation->optimised)}};
+    document["kitti"] = {{"odometry", kitti_document(evaluation->odometry)},
+                         {"optimised", kitti_document(evaluation->optimised)}};
+  }
+  return document;
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace groundloop::apps

@@ -1,0 +1,94 @@
+#include "apps/report/trajectory_evaluation_json.hpp"
+
+#include <cstdio>
+
+#include "frontend/core/files.hpp"
+
+namespace groundloop::apps {
+namespace {
+
+std::string row(const char* name, const Statistics& s) {
+  char line[160];
+  std::snprintf(line, sizeof line, "  %-22s %10.4f %10.4f %10.4f %10.4f %10.4f %10.4f\n", name,
+                s.rmse, s.mean, s.median, s.std, s.min, s.max);
+  return line;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Statistics& s) {
+  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median},
+          {"std", s.std},   {"min", s.min},   {"max", s.max}};
+}
+
+nlohmann::ordered_json to_json(const PoseErrorStatistics& s) {
+  return {{"translation_m", to_json(s.translation_m)}, {"rotation_deg", to_json(s.rotation_deg)}};
+}
+
+nlohmann::ordered_json to_json(const TrajectoryEvaluation& evaluation,
+                               const TrajectoryEvaluationOptions& options) {
+  nlohmann::ordered_json json;
+  json["pairs"] = evaluation.pairs.size();
+  json["alignment"] = options.alignment;
+  json["association"] = options.by_row
+                            ? std::string("row")
+                            : "nearest stamp within " + to_text(options.tolerance) + " s";
+  json["scale"] = evaluation.alignment.scale;
+  json["path_length_m"] = evaluation.path_length_m;
+  json["ape"] = to_json(evaluation.ape);
+  json["ape"]["x_m"] = to_json(evaluation.ape_x_m);
+  json["ape"]["y_m"] = to_json(evaluation.ape_y_m);
+  json["ape"]["z_m"] = to_json(evaluation.ape_z_m);
+  json["rpe"] = to_json(evaluation.rpe_frame);
+  json["rpe"]["delta"] = "1 pair";
+  json["rpe"]["pairs"] = evaluation.rpe_frame.count;
+  auto& by_distance = json["rpe"]["by_distance"];
+  by_distance = to_json(evaluation.rpe_distance);
+  by_distance["delta_m"] = evaluation.rpe_distance_m;
+  by_distance["pairs"] = evaluation.rpe_distance.count;
+  auto& kitti = json["kitti"];
+  kitti["segments"] = evaluation.kitti_segments;
+  // A way too short for a single segment has no such error: null, not 0.
+  kitti["translation_percent"] = nullptr;
+  kitti["rotation_deg_per_m"] = nullptr;
+  if (evaluation.kitti_segments > 0) {
+    kitti["translation_percent"] = evaluation.kitti_translation_percent;
+    kitti["rotation_deg_per_m"] = evaluation.kitti_rotation_deg_per_m;
+  }
+  return json;
+}
+
+std::string to_table(const TrajectoryEvaluation& evaluation,
+                     const TrajectoryEvaluationOptions& options) {
+  char line[200];
+  std::snprintf(line, sizeof line,
+                "%zu pairs over %.1f m, alignment %s (scale %.6f), paired by %s\n",
+                evaluation.pairs.size(), evaluation.path_length_m, options.alignment.c_str(),
+                evaluation.alignment.scale, options.by_row ? "row" : "nearest stamp");
+  std::string text = line;
+  std::snprintf(line, sizeof line, "  %-22s %10s %10s %10s %10s %10s %10s\n", "", "rmse", "mean",
+                "median", "std", "min", "max");
+  text += line;
+  text += row("APE translation [m]", evaluation.ape.translation_m);
+  text += row("  along x [m]", evaluation.ape_x_m);
+  text += row("  along y [m]", evaluation.ape_y_m);
+  text += row("  along z [m]", evaluation.ape_z_m);
+  text += row("APE rotation [deg]", evaluation.ape.rotation_deg);
+  text += row("RPE 1 pair [m]", evaluation.rpe_frame.translation_m);
+  text += row("RPE 1 pair [deg]", evaluation.rpe_frame.rotation_deg);
+  if (evaluation.rpe_distance.count > 0) {
+    const std::string way = "RPE " + to_text(evaluation.rpe_distance_m) + " m ";
+    text += row((way + "[m]").c_str(), evaluation.rpe_distance.translation_m);
+    text += row((way + "[deg]").c_str(), evaluation.rpe_distance.rotation_deg);
+  }
+  if (evaluation.kitti_segments > 0) {
+    std::snprintf(line, sizeof line, "KITTI, %zu segments of 100 to 800 m: %.4f %%, %.6f deg/m\n",
+                  evaluation.kitti_segments, evaluation.kitti_translation_percent,
+                  evaluation.kitti_rotation_deg_per_m);
+  } else {
+    std::snprintf(line, sizeof line, "KITTI: no segment, the way is shorter than 100 m\n");
+  }
+  return text + line;
+}
+
+}  // namespace groundloop::apps

@@ -1,0 +1,23 @@
+// Trajectory evaluation as JSON (Sec. 4 of the design) and as the table that people read.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "backend/evaluation/trajectory_evaluation.hpp"
+
+namespace groundloop::apps {
+
+/// {rmse, mean, median, std, min, max}
+[[nodiscard]] nlohmann::ordered_json to_json(const Statistics& statistics);
+/// {translation_m: {...}, rotation_deg: {...}}
+[[nodiscard]] nlohmann::ordered_json to_json(const PoseErrorStatistics& statistics);
+/// {pairs, alignment, ..., ape, rpe, kitti}
+[[nodiscard]] nlohmann::ordered_json to_json(const TrajectoryEvaluation& evaluation,
+                                             const TrajectoryEvaluationOptions& options);
+[[nodiscard]] std::string to_table(const TrajectoryEvaluation& evaluation,
+                                   const TrajectoryEvaluationOptions& options);
+
+}  // namespace groundloop::apps

@@ -1,0 +1,61 @@
+// The map of one or several sessions from local maps on disk and their optimised poses, one local
+// map in memory at a time. Points of a voxel become their mean, over all maps that see it: points
+// are sorted into tiles in a temporary file first, so that memory holds one tile, however long the
+// recording.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "backend/map/point_cloud_export.hpp"
+#include "backend/session/session.hpp"
+#include "frontend/core/options.hpp"
+#include "frontend/core/pose.hpp"
+#include "frontend/core/progress.hpp"
+#include "frontend/core/trajectory.hpp"
+
+namespace groundloop {
+
+struct MapAssemblyOptions {
+  double voxel_size = 0.1;
+  double tile_size = 50.0;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("voxel_size", self.voxel_size, Range{0.0, 100.0}, "m",
+          "one point a voxel, the mean; 0 keeps every point of the local maps");
+    field("tile_size", self.tile_size, Range{1.0, 10000.0}, "m",
+          "edge of the square that is in memory at a time");
+  }
+};
+
+/// Where a scan stood in its local map, and where the map lies as this scan has it.
+struct ScanPlacement {
+  Eigen::Vector3f place;  ///< m, in the map's frame
+  Pose T_world_map;
+};
+
+/// A local map as a session keeps it. Its points were put together by odometry; what the solution
+/// made of odometry inside the map reaches them by the scan that stood nearest.
+struct MapPiece {
+  std::filesystem::path file;  ///< written by write_pcd
+  std::vector<ScanPlacement> placements;
+  std::uint16_t session = 0;
+};
+
+/// The whole map at one pose.
+[[nodiscard]] MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
+                                   std::uint16_t session = 0);
+/// The map built from `odometry`, following `trajectory` (one pose a scan in both).
+[[nodiscard]] MapPiece bent_piece(const std::filesystem::path& file, const LocalMapRecord& map,
+                                  const Trajectory& odometry, const Trajectory& trajectory,
+                                  std::uint16_t session = 0);
+
+/// Writes the map to `writer` (finish() is the caller's) and returns its number of points. The
+/// order is that of the tiles, not of the maps. `folder` takes the temporary file.
+std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssemblyOptions& options,
+                           PointCloudWriter& writer, const std::filesystem::path& folder,
+                           const Progress& progress = {});
+
+}  // namespace groundloop

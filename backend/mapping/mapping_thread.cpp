@@ -1,0 +1,41 @@
+#include "backend/mapping/mapping_thread.hpp"
+
+#include <chrono>
+
+namespace groundloop {
+
+MappingThread::MappingThread(LocalMapBuilder& builder, ClosureFinder& finder)
+    : builder_(builder), finder_(finder), thread_([this] { run(); }) {}
+
+MappingThread::~MappingThread() { stop(); }
+
+void MappingThread::add(Points points, const Pose& T_world_scan) {
+  if (!queue_.push({std::move(points), T_world_scan})) finish();
+}
+
+void MappingThread::finish() {
+  stop();
+  if (error_) std::rethrow_exception(error_);
+}
+
+void MappingThread::stop() {
+  queue_.close();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MappingThread::run() {
+  try {
+    while (std::optional<Item> item = queue_.pop()) {
+      const auto start = std::chrono::steady_clock::now();
+      const std::optional<LocalMap> map = builder_.add(item->points, item->T_world_scan);
+      building_seconds_ +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (map) finder_.add(*map);
+    }
+  } catch (...) {
+    error_ = std::current_exception();
+    queue_.close();
+  }
+}
+
+}  // namespace groundloop

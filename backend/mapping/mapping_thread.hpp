@@ -1,0 +1,44 @@
+// The thread that turns registered scans into local maps and closures while odometry goes on.
+#pragma once
+
+#include <exception>
+#include <thread>
+
+#include "backend/mapping/closure_finder.hpp"
+#include "frontend/core/bounded_queue.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+
+namespace groundloop {
+
+class MappingThread {
+ public:
+  MappingThread(LocalMapBuilder& builder, ClosureFinder& finder);
+  /// Waits until all scans that were added are mapped; errors are dropped.
+  ~MappingThread();
+  MappingThread(const MappingThread&) = delete;
+  MappingThread& operator=(const MappingThread&) = delete;
+
+  /// Hands a scan over; waits while the thread is too far behind. Throws what the thread threw.
+  void add(Points points, const Pose& T_world_scan);
+  /// Waits until all scans are mapped. Throws what the thread threw.
+  void finish();
+  /// Busy seconds of building local maps.
+  [[nodiscard]] double building_seconds() const { return building_seconds_; }
+
+ private:
+  struct Item {
+    Points points;
+    Pose T_world_scan;
+  };
+  void run();
+  void stop();
+
+  LocalMapBuilder& builder_;
+  ClosureFinder& finder_;
+  BoundedQueue<Item> queue_{16};
+  std::exception_ptr error_;
+  double building_seconds_ = 0.0;
+  std::thread thread_;
+};
+
+}  // namespace groundloop

@@ -1,0 +1,44 @@
+// A finished session read back whole: what merging and matching start from. A merged session is the
+// recordings it was made of again, joined by the closures between them. Local maps stay on disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "backend/graph/pose_graph.hpp"
+#include "backend/session/session.hpp"
+#include "frontend/core/trajectory.hpp"
+#include "loopclosure/loop_closure.hpp"
+#include "loopclosure/options.hpp"
+
+namespace groundloop {
+
+/// One recording of a session. Maps and scans count from 0.
+struct SessionPart {
+  std::string name;
+  std::string recording;  ///< where it was read from, as the manifest says
+  std::string sensor;
+  Trajectory odometry;    ///< one pose a scan, world: the first scan
+  Trajectory trajectory;  ///< one pose a scan, optimised, in the session's frame
+  std::vector<LocalMapRecord> maps;
+  std::vector<MapDescription> descriptions;  ///< one a map, in their order
+  int first_map = 0;  ///< added to a map's number it gives its id in the session's files
+  std::uint64_t fingerprint = 0;  ///< of the descriptions; ties a matches file to its session
+};
+
+struct StoredSession {
+  SessionFolder folder;
+  std::vector<SessionPart> parts;
+  PoseGraph graph;  ///< ids as in the files; edges that were given up are left out
+  std::vector<ClosureRecord> closures;  ///< sessions by the parts' names, maps counted in the part
+};
+
+/// Reads manifest, trajectories, local maps' table, closures, graph and loop database, and checks
+/// them, and every local map, against the manifest's checksums. Throws InputError, naming the
+/// file, where the session is unfinished, of another version, damaged or cut off.
+[[nodiscard]] StoredSession load_session(const std::filesystem::path& folder,
+                                         const LoopClosureOptions& options);
+
+}  // namespace groundloop

@@ -1,0 +1,294 @@
+#include "frontend/odometry/odometry.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <istream>
+#include <ostream>
+
+#include <spdlog/spdlog.h>
+
+#include "frontend/core/binary_io.hpp"
+#include "frontend/core/error.hpp"
+#include "frontend/odometry/scan_registration.hpp"
+
+namespace groundloop {
+namespace {
+
+// Voxels out of range are dropped once the sensor has moved this far since the last time.
+constexpr float kPruneDistance = 5.0F;
+// Update (m, rad) that ends the coarse registration: the fine one goes on from there.
+constexpr double kCoarseConvergence = 1e-2;
+// Share of a scan in the running mean of how many voxels scans fill.
+constexpr double kUsualGain = 0.05;
+// Scans that a sensor is taken to swing on for after its velocity changed: it rests at the turning
+// points, and where its acceleration passes through zero. So many at the start are measured too:
+// scans deskewed by a wrong velocity make a map that a swing cannot be seen against.
+constexpr int kSwingScans = 20;
+// The motion follows from the pose, the pose from points deskewed by it.
+constexpr int kSwingRounds = 2;
+
+double square(double v) { return v * v; }
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+Odometry::Odometry(const OdometryOptions& options)
+    : options_(options),
+      map_(static_cast<float>(options.voxel_size)),
+      deviation_sum_(square(options.initial_threshold)),
+      deviation_count_(1) {}
+
+Odometry::Sweep Odometry::sweep_of(const Scan& scan) {
+  if (scan.times.empty()) return {};
+  const auto [min, max] = std::minmax_element(scan.times.begin(), scan.times.end());
+  const double first = *min, last = *max;
+  return {0.5 * (first + last), 0.5 * (last - first)};
+}
+
+double Odometry::threshold() const {
+  return std::sqrt(deviation_sum_ / static_cast<double>(deviation_count_));
+}
+
+void Odometry::start(const Scan& first, const Scan& second) {
+  Odometry trial(options_);
+  // Two rounds: the velocity that the first finds deskews the second.
+  for (int round = 0; round < 2; ++round) {
+    Odometry next(options_);
+    next.twist_ = trial.twist_;
+    next.add(first, "first scan");
+    next.add(second, "second scan");
+    trial.twist_ = next.twist_;
+  }
+  twist_ = trial.twist_;
+  T_world_middle_ = exp_se3(sweep_of(first).middle * twist_);
+}
+
+bool Odometry::blocked(std::size_t voxels) {
+  const auto count = static_cast<double>(voxels);
+  const bool few = scans_ > 0 && count < options_.blocked_share * usual_voxels_;
+  if (few && blocked_ < options_.max_blocked) {
+    ++blocked_;
+    return true;
+  }
+  blocked_ = 0;
+  // A view that stays narrow is the usual one from now on.
+  usual_voxels_ += (few || scans_ == 0 ? 1.0 : kUsualGain) * (count - usual_voxels_);
+  return false;
+}
+
+// Adapts the threshold to how far the prediction was off.
+void Odometry::learn_deviation(const Pose& guess, const Pose& registered) {
+  const Pose deviation = guess.inverse() * registered;
+  const double model_error =
+      deviation.translation.norm() +
+      2.0 * options_.max_range * std::sin(0.5 * rotation_angle(deviation.rotation));
+  if (model_error > options_.min_motion) {
+    deviation_sum_ += square(model_error);
+    ++deviation_count_;
+  }
+}
+
+Odometry::DeskewedScan Odometry::deskew(const Scan& scan, const SensorMotion& motion,
+                                        double middle) {
+  DeskewedScan result;
+  result.points = deskew_and_crop(scan, motion, middle, options_.min_range, options_.max_range);
+  result.map_points = downsampler_(result.points, 0.5F * static_cast<float>(options_.voxel_size));
+  return result;
+}
+
+RegistrationKernel Odometry::coarse_kernel() const {
+  const double along = options_.point_to_point ? 1.0 : options_.along_plane_weight;
+  return {threshold(), along, 1.0, std::max(options_.convergence, kCoarseConvergence),
+          options_.max_iterations};
+}
+
+RegistrationKernel Odometry::fine_kernel() const {
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  RegistrationKernel kernel = coarse_kernel();
+  kernel.sigma = std::min(kernel.sigma, options_.fine_threshold * voxel);
+  if (!options_.point_to_point) kernel.scatter_weight = options_.scatter_weight;
+  kernel.convergence = options_.convergence;
+  return kernel;
+}
+
+bool Odometry::swings(const Sweep& sweep, const Vector6d& velocity) {
+  const double departure = (velocity - twist_).tail<3>().norm() * sweep.half;
+  if (departure > options_.swing_deg * M_PI / 180.0) {
+    swinging_ = kSwingScans;
+  } else if (swinging_ > 0) {
+    --swinging_;
+  }
+  return swinging_ > 0 || scans_ < kSwingScans;
+}
+
+// The turn within the sweep is measured by the sweep itself, which has a sensor's faults in it: an
+// axis askew looks like a turn, the same in each sweep. So the mean rate since the last scan is
+// that of the poses, and the sweeps tell how it changed meanwhile.
+SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, DeskewedScan& deskewed,
+                                     double step, Pose& pose) {
+  SweepPoints source;
+  source.times = times_within(scan, options_.min_range, options_.max_range);
+  for (float& t : source.times) {
+    t = static_cast<float>((static_cast<double>(t) - sweep.middle) / sweep.half);
+  }
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  source.points =
+      downsampler_(downsampler_(deskewed.points, 0.5F * voxel, source.times), voxel, source.times);
+  const TurningRegistration turning = register_turning_scan(map_, source, pose, fine_kernel());
+
+  const Eigen::Vector3d turn_rate = twist_.tail<3>() + turning.turn / sweep.half;
+  SensorMotion motion;
+  if (turn_rate_) motion.change.tail<3>() = (turn_rate - *turn_rate_) / step;
+  pose = turning.pose;
+  for (int round = 0; round < kSwingRounds; ++round) {
+    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    if (turn_rate_) {
+      motion.velocity.tail<3>() += 0.5 * step * motion.change.tail<3>();
+    } else {
+      motion.velocity.tail<3>() = turn_rate;
+    }
+    deskewed = deskew(scan, motion, sweep.middle);
+    pose = register_scan(map_, downsampler_(deskewed.map_points, voxel), pose, fine_kernel()).pose;
+  }
+  turn_rate_ = turn_rate;
+  return motion;
+}
+
+void Odometry::insert(const Points& map_points) {
+  map_.insert(map_points, T_world_middle_);
+  const Eigen::Vector3f position = T_world_middle_.translation.cast<float>();
+  if ((position - pruned_at_).norm() > kPruneDistance) {
+    map_.remove_beyond(position, static_cast<float>(options_.max_range));
+    pruned_at_ = position;
+  }
+}
+
+RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep, std::size_t voxels,
+                                   const std::string& name) {
+  if (blocked_ == 1) {
+    spdlog::warn(
+        "{}: the view is blocked ({} voxels filled, {:.0f} are usual); its pose is "
+        "predicted from the velocity",
+        name, voxels, usual_voxels_);
+  }
+  ++predicted_scans_;
+  turn_rate_.reset();
+  T_world_middle_ = guess;
+  RegisteredScan result;
+  result.T_world_scan = guess * exp_se3(-sweep.middle * twist_);
+  return result;
+}
+
+RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
+  const auto start = std::chrono::steady_clock::now();
+  const Sweep sweep = sweep_of(scan);
+  const Nanoseconds middle_stamp =
+      scan.stamp + static_cast<Nanoseconds>(std::llround(sweep.middle * 1e9));
+
+  DeskewedScan deskewed = deskew(scan, {twist_}, sweep.middle);
+  if (deskewed.points.size() < static_cast<std::size_t>(options_.min_points)) {
+    throw InputError(name + ": only " + std::to_string(deskewed.points.size()) +
+                     " points between " + std::to_string(options_.min_range) + " and " +
+                     std::to_string(options_.max_range) + " m, at least " +
+                     std::to_string(options_.min_points) +
+                     " are needed to register a scan; check the sensor, the range limits, or leave "
+                     "the scan out with "
+                     "--first and --count");
+  }
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  const Points source = downsampler_(deskewed.map_points, 1.5F * voxel);
+
+  const double step = static_cast<double>(middle_stamp - middle_stamp_) * 1e-9;
+  // Across a gap, or where stamps do not advance, the velocity says little.
+  const double trusted_step = scans_ == 0 ? 0.0 : std::clamp(step, 0.0, options_.max_gap);
+  const bool followed = scans_ > 0 && step > 0.0 && step <= options_.max_gap;
+  const Pose guess = T_world_middle_ * exp_se3(trusted_step * twist_);
+  middle_stamp_ = middle_stamp;
+  // A sensor that swung a moment ago sees little where it looks at the ground or the sky, and its
+  // velocity says nothing of the next scans.
+  const bool predictable = swinging_ < kSwingScans / 2;
+  if (predictable && blocked(source.size())) {
+    ++scans_;
+    RegisteredScan result = predicted(guess, sweep, source.size(), name);
+    result.seconds = seconds_since(start);
+    return result;
+  }
+  const ScanRegistration coarse = register_scan(map_, source, guess, coarse_kernel());
+  const Points fine_source = downsampler_(deskewed.map_points, voxel);
+  const ScanRegistration fine = register_scan(map_, fine_source, coarse.pose, fine_kernel());
+
+  Pose pose = fine.pose;
+  if (scans_ > 0) learn_deviation(guess, pose);
+  SensorMotion motion{twist_};
+  if (followed) {
+    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    if (sweep.half > 0.0 && swings(sweep, motion.velocity)) {
+      motion = measure_swing(scan, sweep, deskewed, step, pose);
+    } else {
+      turn_rate_.reset();
+    }
+  }
+  twist_ = motion.velocity;
+  T_world_middle_ = pose;
+  ++scans_;
+  insert(deskewed.map_points);
+
+  // From the middle of the sweep to the instant of the stamp, with the motion just measured.
+  const Pose T_middle_scan = motion.after(-sweep.middle);
+  RegisteredScan result;
+  result.T_world_scan = T_world_middle_ * T_middle_scan;
+  result.points = std::move(deskewed.points);
+  if (sweep.middle != 0.0) {
+    const PoseF T_scan_middle(T_middle_scan.inverse());
+    for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
+  }
+  result.registration_points = source.size() + fine_source.size();
+  result.iterations = coarse.iterations + fine.iterations;
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+void Odometry::save(std::ostream& out) const {
+  put(out, T_world_middle_.rotation.coeffs());
+  put(out, T_world_middle_.translation);
+  put(out, middle_stamp_);
+  put(out, twist_);
+  put(out, turn_rate_.has_value());
+  put(out, turn_rate_.value_or(Eigen::Vector3d::Zero()));
+  put(out, swinging_);
+  put(out, deviation_sum_);
+  put(out, deviation_count_);
+  put(out, scans_);
+  put(out, usual_voxels_);
+  put(out, blocked_);
+  put(out, predicted_scans_);
+  put(out, pruned_at_);
+  map_.save(out);
+}
+
+void Odometry::load(std::istream& in) {
+  get(in, T_world_middle_.rotation.coeffs());
+  get(in, T_world_middle_.translation);
+  get(in, middle_stamp_);
+  get(in, twist_);
+  bool has_turn_rate = false;
+  Eigen::Vector3d turn_rate;
+  get(in, has_turn_rate);
+  get(in, turn_rate);
+  turn_rate_ = has_turn_rate ? std::optional(turn_rate) : std::nullopt;
+  get(in, swinging_);
+  get(in, deviation_sum_);
+  get(in, deviation_count_);
+  get(in, scans_);
+  get(in, usual_voxels_);
+  get(in, blocked_);
+  get(in, predicted_scans_);
+  get(in, pruned_at_);
+  map_.load(in);
+}
+
+}  // namespace groundloop

@@ -1,0 +1,217 @@
+#include "frontend/odometry/voxel_map.hpp"
+
+#include <algorithm>
+#include <istream>
+#include <ostream>
+
+#include "frontend/core/binary_io.hpp"
+
+namespace groundloop {
+namespace {
+
+// Edge of a patch, in voxels.
+constexpr float kPatchEdge = 3.0F;
+// A plane is as thin as a tenth of a voxel; a voxel or a patch spans it in both directions.
+constexpr float kThickness = 0.1F, kBlockSpread = 0.15F, kPatchSpread = 0.5F;
+constexpr float kMinBlockPoints = 6.0F, kMinPatchPoints = 8.0F;
+// A point this far off the plane of its patch (standard deviations allowed) is not of that plane.
+constexpr float kPatchDistance = 1.5F;
+
+}  // namespace
+
+VoxelMap::VoxelMap(float voxel_size)
+    : voxel_size_(voxel_size),
+      inverse_size_(1.0F / voxel_size),
+      min_spacing_squared_(voxel_size * voxel_size / static_cast<float>(kMaxPointsPerVoxel)),
+      table_(1 << 15),
+      patch_table_(1 << 13) {}
+
+VoxelMap::Neighbor VoxelMap::nearest(const Eigen::Vector3f& p, float max_distance) const {
+  const Eigen::Vector3i center = voxel_of(p, inverse_size_);
+  const float unreachable = std::nextafter(max_distance * max_distance, INFINITY);
+  Neighbor best{Eigen::Vector3f::Zero(), unreachable, {}};
+  const Block* best_block = nullptr;
+
+  const auto search_block = [&](VoxelKey key) {
+    const std::uint32_t index = table_.find(key);
+    if (index == VoxelTable::kNone) return;
+    const Block& block = blocks_[index];
+    std::array<float, kMaxPointsPerVoxel> d{};
+    for (std::size_t i = 0; i < kMaxPointsPerVoxel; ++i) {
+      const float dx = block.x[i] - p.x(), dy = block.y[i] - p.y(), dz = block.z[i] - p.z();
+      d[i] = dx * dx + dy * dy + dz * dz;
+    }
+    for (std::size_t i = 0; i < block.count; ++i) {
+      if (d[i] < best.squared_distance) {
+        best.squared_distance = d[i];
+        best.point = {block.x[i], block.y[i], block.z[i]};
+        best_block = &block;
+      }
+    }
+  };
+
+  search_block(voxel_key(center));
+  // Squared distance from p to the slab of the neighbours at -1, 0 and +1 along each axis.
+  std::array<std::array<float, 3>, 3> gap{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const float inside = p(axis) - static_cast<float>(center(axis)) * voxel_size_;
+    const float below = std::max(0.0F, inside);
+    const float above = std::max(0.0F, voxel_size_ - inside);
+    gap[static_cast<std::size_t>(axis)] = {below * below, 0.0F, above * above};
+  }
+  for (int dx = 0; dx < 3; ++dx) {
+    if (gap[0][dx] >= best.squared_distance) continue;
+    for (int dy = 0; dy < 3; ++dy) {
+      const float gap_xy = gap[0][dx] + gap[1][dy];
+      if (gap_xy >= best.squared_distance) continue;
+      for (int dz = 0; dz < 3; ++dz) {
+        if (gap_xy + gap[2][dz] >= best.squared_distance || (dx == 1 && dy == 1 && dz == 1))
+          continue;
+        search_block(voxel_key(center + Eigen::Vector3i(dx - 1, dy - 1, dz - 1)));
+      }
+    }
+  }
+  if (best_block != nullptr) best.plane = plane_of(*best_block, best.point);
+  return best;
+}
+
+Plane VoxelMap::plane_of(const Block& block, const Eigen::Vector3f& point) const {
+  if (block.plane.exists()) return block.plane;
+  const Plane& plane = patches_[block.patch].plane;
+  const float limit = kPatchDistance * kThickness * voxel_size_;
+  if (plane.exists() && std::abs(plane.distance(point)) < limit) return plane;
+  return {};
+}
+
+void VoxelMap::update_plane(Block& block) const {
+  block.count_of_plane = block.count;
+  const Eigen::Vector3f origin(block.x[0], block.y[0], block.z[0]);
+  PlaneMoments moments;
+  for (std::uint32_t i = 0; i < block.count; ++i)
+    moments.add(Eigen::Vector3f(block.x[i], block.y[i], block.z[i]) - origin);
+  block.plane = fit_plane(moments, origin,
+                          {kMinBlockPoints, kThickness * voxel_size_, kBlockSpread * voxel_size_});
+}
+
+Eigen::Vector3f VoxelMap::center_of(const Patch& patch) const {
+  return (voxel_from_key(patch.key).cast<float>().array() + 0.5F) * (kPatchEdge * voxel_size_);
+}
+
+void VoxelMap::update_plane(Patch& patch) const {
+  patch.plane = fit_plane(patch.moments, center_of(patch),
+                          {kMinPatchPoints, kThickness * voxel_size_, kPatchSpread * voxel_size_});
+}
+
+bool VoxelMap::add_to_block(Block& block, const Eigen::Vector3f& p) const {
+  if (block.count == kMaxPointsPerVoxel) return false;
+  for (std::uint32_t i = 0; i < block.count; ++i) {
+    const float dx = block.x[i] - p.x(), dy = block.y[i] - p.y(), dz = block.z[i] - p.z();
+    if (dx * dx + dy * dy + dz * dz < min_spacing_squared_) return false;
+  }
+  block.x[block.count] = p.x();
+  block.y[block.count] = p.y();
+  block.z[block.count] = p.z();
+  ++block.count;
+  return true;
+}
+
+std::uint32_t VoxelMap::block_at(const Eigen::Vector3f& p) {
+  const VoxelKey key = voxel_key(voxel_of(p, inverse_size_));
+  const auto fresh = free_.empty() ? static_cast<std::uint32_t>(blocks_.size()) : free_.back();
+  const std::uint32_t index = table_.find_or_insert(key, fresh);
+  if (index != fresh) return index;
+  if (free_.empty()) {
+    blocks_.emplace_back();
+  } else {
+    free_.pop_back();
+  }
+  Block& block = blocks_[index];
+  block = Block{};
+  block.key = key;
+  block.patch = patch_at(p);
+  ++patches_[block.patch].blocks;
+  return index;
+}
+
+std::uint32_t VoxelMap::patch_at(const Eigen::Vector3f& p) {
+  const VoxelKey key = voxel_key(voxel_of(p, inverse_size_ / kPatchEdge));
+  const auto fresh =
+      free_patches_.empty() ? static_cast<std::uint32_t>(patches_.size()) : free_patches_.back();
+  const std::uint32_t index = patch_table_.find_or_insert(key, fresh);
+  if (index != fresh) return index;
+  if (free_patches_.empty()) {
+    patches_.emplace_back();
+  } else {
+    free_patches_.pop_back();
+  }
+  Patch& patch = patches_[index];
+  patch = Patch{};
+  patch.key = key;
+  return index;
+}
+
+void VoxelMap::insert(const Points& points, const Pose& T_world_scan) {
+  const PoseF T(T_world_scan);
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3f p = T * point;
+    const std::uint32_t index = block_at(p);
+    Block& block = blocks_[index];
+    Patch& patch = patches_[block.patch];
+    // The first point that either gains in this call lists it.
+    if (add_to_block(block, p) && block.count == block.count_of_plane + 1) {
+      touched_.push_back(index);
+    }
+    if (patch.touched == 0) touched_patches_.push_back(block.patch);
+    patch.touched = 1;
+    patch.moments.add(p - center_of(patch));
+  }
+  for (const std::uint32_t index : touched_) update_plane(blocks_[index]);
+  touched_.clear();
+  for (const std::uint32_t index : touched_patches_) {
+    update_plane(patches_[index]);
+    patches_[index].touched = 0;
+  }
+  touched_patches_.clear();
+}
+
+void VoxelMap::remove_beyond(const Eigen::Vector3f& center, float distance) {
+  const float limit = distance * distance;
+  for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
+    Block& block = blocks_[i];
+    if (block.count == 0) continue;
+    if ((Eigen::Vector3f(block.x[0], block.y[0], block.z[0]) - center).squaredNorm() <= limit)
+      continue;
+    table_.erase(block.key);
+    block.count = 0;
+    Patch& patch = patches_[block.patch];
+    if (--patch.blocks == 0) {
+      patch_table_.erase(patch.key);
+      free_patches_.push_back(block.patch);
+    }
+    free_.push_back(i);
+  }
+}
+
+void VoxelMap::save(std::ostream& out) const {
+  put_all(out, blocks_);
+  put_all(out, free_);
+  put_all(out, patches_);
+  put_all(out, free_patches_);
+}
+
+void VoxelMap::load(std::istream& in) {
+  get_all(in, blocks_);
+  get_all(in, free_);
+  get_all(in, patches_);
+  get_all(in, free_patches_);
+  table_.clear();
+  patch_table_.clear();
+  for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
+    if (blocks_[i].count > 0) table_.find_or_insert(blocks_[i].key, i);
+  }
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) {
+    if (patches_[i].blocks > 0) patch_table_.find_or_insert(patches_[i].key, i);
+  }
+}
+
+}  // namespace groundloop

@@ -1,0 +1,95 @@
+// The map odometry registers against: a hash of voxels, each a small block of points kept at a
+// distance from each other (KISS-ICP, Vizzo et al., RA-L 2023, Sec. III-C), and the planes they lie
+// on: of a voxel where its points span one, else of a patch of three voxels' edge. The patch is
+// what makes sparse sensors work: the scan lines of 16 beams cross a voxel once, and lines
+// registered to lines drag the pose along and tilt it.
+// Blocks live in one array and are reused; nothing is allocated per voxel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "frontend/core/pose.hpp"
+#include "frontend/core/scan.hpp"
+#include "frontend/core/voxel_table.hpp"
+#include "frontend/odometry/plane_fit.hpp"
+
+namespace groundloop {
+
+class VoxelMap {
+ public:
+  static constexpr std::size_t kMaxPointsPerVoxel = 20;
+
+  /// voxel_size in metres.
+  explicit VoxelMap(float voxel_size);
+
+  struct Neighbor {
+    Eigen::Vector3f point;
+    float squared_distance;  ///< metres squared; above the bound asked for where there is no
+                             ///< neighbour
+    Plane plane;             ///< that the neighbour lies on, if any
+  };
+
+  /// The nearest point within `max_distance` among the voxel of p and its 26 neighbours. Exact: a
+  /// voxel is passed over only where it is farther than the best point so far. Safe to call from
+  /// many threads.
+  [[nodiscard]] Neighbor nearest(const Eigen::Vector3f& p, float max_distance) const;
+
+  /// Adds points (world frame). A point nearer than voxel_size / sqrt(20) to another of its voxel
+  /// is left out, but counts for the plane of its patch.
+  void insert(const Points& points, const Pose& T_world_scan);
+
+  /// Drops voxels whose first point is farther than `distance` from `center`.
+  void remove_beyond(const Eigen::Vector3f& center, float distance);
+
+  [[nodiscard]] bool empty() const { return table_.size() == 0; }
+  [[nodiscard]] std::size_t voxels() const { return table_.size(); }
+
+  /// Exact state for a resumable session.
+  void save(std::ostream& out) const;
+  void load(std::istream& in);
+
+ private:
+  // Coordinates apart, so that the distances to all points of a block are computed in vector
+  // registers.
+  struct Block {
+    alignas(16) std::array<float, kMaxPointsPerVoxel> x, y, z;
+    Plane plane;
+    VoxelKey key;
+    std::uint32_t count;
+    std::uint32_t count_of_plane;  // points that the plane was fitted to
+    std::uint32_t patch;
+    std::uint32_t padding;  // named, so that every byte of a saved state is defined
+  };
+  struct Patch {
+    VoxelKey key;
+    PlaneMoments moments;  // about the patch's centre
+    Plane plane;
+    std::uint32_t blocks;   // that lie in it
+    std::uint32_t touched;  // listed in touched_patches_
+  };
+
+  std::uint32_t block_at(const Eigen::Vector3f& p);
+  std::uint32_t patch_at(const Eigen::Vector3f& p);
+  [[nodiscard]] Eigen::Vector3f center_of(const Patch& patch) const;
+  [[nodiscard]] bool add_to_block(Block& block, const Eigen::Vector3f& p) const;
+  void update_plane(Block& block) const;
+  void update_plane(Patch& patch) const;
+  [[nodiscard]] Plane plane_of(const Block& block, const Eigen::Vector3f& point) const;
+
+  float voxel_size_;
+  float inverse_size_;
+  float min_spacing_squared_;
+  VoxelTable table_;
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> free_;
+  VoxelTable patch_table_;
+  std::vector<Patch> patches_;
+  std::vector<std::uint32_t> free_patches_;
+  // Blocks and patches that gained points in this insert().
+  std::vector<std::uint32_t> touched_, touched_patches_;
+};
+
+}  // namespace groundloop

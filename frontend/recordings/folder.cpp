@@ -1,0 +1,160 @@
+#include "frontend/recordings/folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "frontend/core/error.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/recordings/ground_truth.hpp"
+#include "frontend/recordings/point_files.hpp"
+#include "frontend/recordings/point_layout.hpp"
+#include "frontend/recordings/scan_files.hpp"
+
+namespace groundloop::recordings {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kBinFields = "float32 x y z intensity ...";
+constexpr std::array<const char*, 3> kExtensions = {".bin", ".pcd", ".ply"};
+
+// Record of headerless files: 16, 20 or 24 bytes, whichever divides the lengths of most of them. A
+// file that is cut off must not make all the others look strange.
+std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
+  std::array<std::size_t, 3> fitting = {0, 0, 0};
+  for (const fs::path& file : files) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    for (std::size_t k = 0; k < fitting.size(); ++k) fitting[k] += size % (16 + 4 * k) == 0 ? 1 : 0;
+  }
+  if (fitting[0] >= std::max(fitting[1], fitting[2])) return {"x", "y", "z", "intensity"};
+  if (fitting[2] >= fitting[1]) return {"x", "y", "z", "intensity", "ring", "t"};
+  return {"x", "y", "z", "intensity", "ring"};
+}
+
+class FolderRecording final : public ScanFiles {
+ public:
+  explicit FolderRecording(const fs::path& folder) : ScanFiles(folder, "folder") {
+    choose_files(folder);
+    find_stamps(folder);
+    info_.gaps = count_gaps(stamps_);
+    if (extension_ == ".bin") choose_bin_layout();
+    learn_layout();
+    find_truth(folder);
+  }
+
+ private:
+  void choose_files(const fs::path& folder) {
+    for (const char* extension : kExtensions) {
+      std::vector<fs::path> files = list_files(folder, extension);
+      if (files.empty()) continue;
+      if (!files_.empty()) {
+        const bool more = files.size() > files_.size();
+        info_.notes.push_back(std::to_string(more ? files_.size() : files.size()) + " " +
+                              (more ? extension_ : extension) +
+                              " files beside the scans are ignored.");
+        if (!more) continue;
+      }
+      files_ = std::move(files);
+      extension_ = extension;
+    }
+    if (files_.empty()) {
+      throw InputError(folder.string() + ": holds no scan; expected *.bin, *.pcd or *.ply files");
+    }
+  }
+
+  void find_stamps(const fs::path& folder) {
+    std::error_code error;
+    const fs::path absolute = fs::absolute(folder).lexically_normal();
+    for (const fs::path& place : {absolute, (absolute / "..").lexically_normal()}) {
+      for (const char* name : {"times.txt", "timestamps.txt"}) {
+        if (!fs::is_regular_file(place / name, error)) continue;
+        stamps_ = match_stamps(files_, place / name, read_stamp_file(place / name)).stamps;
+        info_.stamp_source = name;
+        return;
+      }
+    }
+    if (auto named = stamps_from_names(files_)) {
+      stamps_ = std::move(named->stamps);
+      info_.stamp_source = "file names (" + named->unit + ")";
+      return;
+    }
+    stamps_ = assumed_stamps(files_.size());
+    info_.stamp_source = "assumed 10 Hz";
+    info_.notes.emplace_back(
+        "Neither times.txt nor file names give stamps; 10 scans a second are assumed.");
+  }
+
+  std::size_t decode(std::size_t index, Scan& scan) override {
+    const PointTable table = parse(index);
+    scan = decode_points(table.layout, buffer_, table.count, stamps_[index], times_,
+                         files_[index].string());
+    return table.count;
+  }
+
+  void choose_bin_layout() {
+    for (const std::string& field : bin_fields(files_))
+      bin_layout_.append(field, FieldType::float32);
+    bin_layout_.set_records(0);
+    check_lengths(bin_layout_.packed_size, kBinFields);
+    if (bin_layout_.packed_size != 16) {
+      info_.notes.push_back("Lengths of all files fit records of " +
+                            std::to_string(bin_layout_.packed_size / 4) + " float32 values.");
+    }
+  }
+
+  // Of buffer_, the bytes of files_[index].
+  PointTable parse(std::size_t index) {
+    const std::string name = files_[index].string();
+    if (extension_ == ".pcd") return parse_pcd(buffer_, name);
+    if (extension_ == ".ply") return parse_ply(buffer_, name);
+    return {bin_layout_, record_count(index, bin_layout_.packed_size, kBinFields)};
+  }
+
+  // Fields and the meaning of their times from the first, middle and last scans.
+  void learn_layout() {
+    bool has_field = false;
+    for (const std::size_t index : std::set<std::size_t>{0, files_.size() / 2, files_.size() - 1}) {
+      read_file_into(files_[index], buffer_);
+      const PointTable table = parse(index);
+      if (info_.fields.empty()) info_.fields = table.layout.described();
+      has_field = has_field || find_time_field(table.layout) != nullptr;
+      times_ = merge(times_, infer_time_model(table.layout, buffer_, table.count, stamps_[index],
+                                              scan_duration(stamps_)));
+    }
+    info_.point_times = times_      ? times_->described()
+                        : has_field ? "none (the time field is constant)"
+                                    : "none";
+  }
+
+  void find_truth(const fs::path& folder) {
+    const fs::path absolute = fs::absolute(folder).lexically_normal();
+    const fs::path parent =
+        (absolute.has_filename() ? absolute : absolute.parent_path()).parent_path();
+    const fs::path file = find_ground_truth({absolute, parent});
+    if (file.empty()) return;
+    ground_truth_ = read_ground_truth(file, stamps_);
+    info_.notes.push_back("Ground truth is " + file.filename().string() +
+                          ", taken to be of the LiDAR itself.");
+  }
+
+  std::string extension_;
+  PointLayout bin_layout_;
+  std::optional<TimeModel> times_;
+};
+
+}  // namespace
+
+bool is_scan_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return false;
+  return std::any_of(kExtensions.begin(), kExtensions.end(),
+                     [&](const char* extension) { return !list_files(folder, extension).empty(); });
+}
+
+std::unique_ptr<Recording> open_folder(const fs::path& folder, const RecordingOptions&) {
+  return std::make_unique<FolderRecording>(folder);
+}
+
+}  // namespace groundloop::recordings

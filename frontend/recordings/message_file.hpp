@@ -1,0 +1,56 @@
+// A file of recorded messages, whatever its container: topics, the messages of a topic, their
+// bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frontend/core/scan.hpp"
+#include "frontend/recordings/point_cloud2.hpp"
+
+namespace groundloop::recordings {
+
+struct Topic {
+  std::string name;
+  std::string type;  ///< e.g. sensor_msgs/PointCloud2 or sensor_msgs/msg/PointCloud2
+  Encoding encoding = Encoding::ros1;
+  std::size_t messages = 0;
+  Nanoseconds first = 0, last = 0;  ///< log times
+
+  [[nodiscard]] bool is_point_cloud() const;
+  void count(Nanoseconds time);  ///< one more message
+};
+
+/// Where a message is; what the two places mean is the file's business.
+struct MessageEntry {
+  Nanoseconds log_time = 0;
+  std::uint64_t place = 0, within = 0;
+};
+
+class MessageFile {
+ public:
+  virtual ~MessageFile() = default;
+  /// Topics in the file's order.
+  [[nodiscard]] const std::vector<Topic>& topics() const { return topics_; }
+  /// What is wrong with the file but did not stop its reading.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /// Messages of a point-cloud topic in the file's order.
+  [[nodiscard]] virtual std::vector<MessageEntry> messages(const std::string& topic) = 0;
+  /// At least the first `limit` bytes of a message (all where it has fewer) into `out`. Throws
+  /// InputError naming the file.
+  virtual void read(const MessageEntry& entry, std::size_t limit, std::vector<std::byte>& out) = 0;
+
+ protected:
+  std::vector<Topic> topics_;
+  std::vector<std::string> notes_;
+};
+
+[[nodiscard]] std::unique_ptr<MessageFile> open_rosbag_file(const std::filesystem::path& file);
+[[nodiscard]] std::unique_ptr<MessageFile> open_mcap_file(const std::filesystem::path& file);
+[[nodiscard]] std::unique_ptr<MessageFile> open_sqlite_file(const std::filesystem::path& file);
+
+}  // namespace groundloop::recordings

@@ -1,0 +1,135 @@
+// Which reader a path is for, and what is wrapped around it: elevation correction, range of scans.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "frontend/core/error.hpp"
+#include "frontend/recordings/bags.hpp"
+#include "frontend/recordings/datasets.hpp"
+#include "frontend/recordings/elevation_correction.hpp"
+#include "frontend/recordings/folder.hpp"
+#include "frontend/recordings/kitti.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "frontend/recordings/wrappers.hpp"
+
+namespace groundloop {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Options = RecordingOptions;
+
+struct Format {
+  const char* name;
+  const char* looked_for;               ///< what a path must hold, for messages
+  bool (*recognises)(const fs::path&);  ///< of a path that exists
+  std::unique_ptr<Recording> (*open)(const fs::path&, const Options&);
+  bool takes_several = false;  ///< reads options.more_paths
+};
+
+bool is_kitti(const fs::path& path) { return !recordings::find_kitti_sequence(path).empty(); }
+
+std::unique_ptr<Recording> open_kitti(const fs::path& path, const Options&) {
+  return recordings::open_kitti(recordings::find_kitti_sequence(path));
+}
+
+// In order of recognition: the more particular first.
+const std::array kFormats = {
+    Format{"kitti", "a KITTI sequence (velodyne/*.bin or sequences/NN/velodyne/*.bin)", is_kitti,
+           open_kitti},
+    Format{"kitti_raw", "a KITTI raw drive (velodyne_points/data/*.bin)", recordings::is_kitti_raw,
+           recordings::open_kitti_raw},
+    Format{"helipr", "HeLiPR (LiDAR/SENSOR/*.bin)", recordings::is_helipr, recordings::open_helipr},
+    Format{"mulran", "MulRan (sensor_data/Ouster/*.bin)", recordings::is_mulran,
+           recordings::open_mulran},
+    Format{"nclt", "NCLT (velodyne_sync/*.bin or velodyne_hits.bin)", recordings::is_nclt,
+           recordings::open_nclt},
+    Format{"rosbag", "ROS 1 bags (*.bag)", recordings::is_rosbag, recordings::open_rosbag, true},
+    Format{"rosbag2", "a ROS 2 bag (metadata.yaml, *.db3)", recordings::is_rosbag2,
+           recordings::open_rosbag2, true},
+    Format{"mcap", "MCAP files (*.mcap)", recordings::is_mcap, recordings::open_mcap, true},
+    Format{"folder", "a folder of *.bin, *.pcd or *.ply scans", recordings::is_scan_folder,
+           recordings::open_folder},
+};
+
+std::string names_of_formats() {
+  std::string names;
+  for (const Format& format : kFormats)
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+const Format& choose_format(const fs::path& path, const std::string& name) {
+  std::string looked_for;
+  for (const Format& format : kFormats) {
+    if (name == format.name) {
+      if (format.recognises(path)) return format;
+      throw InputError(path.string() + ": holds nothing of format " + name + "; looked for " +
+                       format.looked_for);
+    }
+    if (name.empty() && format.recognises(path)) return format;
+    looked_for += (looked_for.empty() ? "" : ", ") + std::string(format.looked_for);
+  }
+  if (!name.empty()) {
+    throw InputError("--format " + name + " is unknown; known are " + names_of_formats());
+  }
+  throw InputError(path.string() + ": no recording is recognised here; looked for " + looked_for);
+}
+
+std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
+                                   const std::string& choice) {
+  if (choice == "on")
+    return recordings::with_elevation_correction(std::move(recording), "by option");
+  if (choice == "off") {
+    return recordings::with_note(std::move(recording), "Elevation is not corrected (by option).");
+  }
+  if (choice != "auto") {
+    throw InputError("elevation_correction: '" + choice +
+                     "' is unknown; allowed are auto, on, off");
+  }
+  const std::string format = recording->info().format;
+  if (format != "kitti" && format != "kitti_raw") return recording;
+  if (format == "kitti" && recording->info().point_times != "none") {
+    return recordings::with_note(
+        std::move(recording),
+        "Elevation is not corrected: scans with per-point times are not KITTI's own, which come "
+        "deskewed.");
+  }
+  const recordings::SensorSignature signature = recordings::sensor_signature(*recording);
+  if (signature.kitti_hdl64) {
+    return recordings::with_elevation_correction(std::move(recording),
+                                                 "KITTI's HDL-64E: " + signature.reason);
+  }
+  return recordings::with_note(
+      std::move(recording),
+      "Elevation is not corrected: " + signature.reason + ", not those of KITTI's HDL-64E.");
+}
+
+std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOptions& options) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    throw InputError(path + ": no such file or folder; check the path");
+  }
+  const Format& format = choose_format(path, options.format);
+  if (!options.more_paths.empty() && !format.takes_several) {
+    throw InputError(options.more_paths.front() + ": a recording of format " + format.name +
+                     " is one path; only bags may be several");
+  }
+  return format.open(path, options);
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> recordings::wrap(std::unique_ptr<Recording> recording,
+                                            const RecordingOptions& options) {
+  recording = correct(std::move(recording), options.elevation_correction);
+  if (options.first == 0 && options.count >= recording->size()) return recording;
+  return slice(std::move(recording), options.first, options.count);
+}
+
+std::unique_ptr<Recording> open_recording(const std::string& path,
+                                          const RecordingOptions& options) {
+  return recordings::wrap(open_path(path, options), options);
+}
+
+}  // namespace groundloop

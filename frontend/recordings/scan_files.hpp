@@ -1,0 +1,53 @@
+// A recording of one file a scan: what the readers of such layouts share.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "frontend/recordings/recording.hpp"
+#include "frontend/recordings/source_tools.hpp"
+
+namespace groundloop::recordings {
+
+class ScanFiles : public Recording {
+ public:
+  [[nodiscard]] const RecordingInfo& info() const final { return info_; }
+  [[nodiscard]] std::size_t size() const final { return files_.size(); }
+  [[nodiscard]] Nanoseconds stamp(std::size_t index) const final { return stamps_.at(index); }
+  [[nodiscard]] Trajectory ground_truth() const final { return ground_truth_; }
+  [[nodiscard]] Scan read(std::size_t index) final;
+
+ protected:
+  /// Files of a folder by extension; throws InputError where there are none.
+  ScanFiles(const std::filesystem::path& path, const char* format,
+            const std::filesystem::path& folder, const char* extension);
+  /// Files are chosen by the reader itself.
+  ScanFiles(const std::filesystem::path& path, const char* format);
+
+  /// Decodes buffer_, the bytes of files_[index]; sets the points and times of `scan`, whose stamp
+  /// is set, and returns the number of records seen.
+  virtual std::size_t decode(std::size_t index, Scan& scan) = 0;
+
+  /// Stamps from the files' names in `nanoseconds` units; throws InputError naming a file whose
+  /// name is none.
+  void take_stamps_from_names(Nanoseconds nanoseconds, const char* unit);
+  /// Throws InputError for the first file that is empty or whose length is no multiple of `record`,
+  /// so that a run of hours does not end at a file that could have been seen at its start.
+  void check_lengths(std::size_t record, const char* fields) const;
+  /// The same of files_[index].
+  void check_length(std::size_t index, std::size_t record, const char* fields) const;
+  /// Records in buffer_; throws InputError naming the file and `fields` where its length does not
+  /// fit.
+  [[nodiscard]] std::size_t record_count(std::size_t index, std::size_t record,
+                                         const char* fields) const;
+
+  RecordingInfo info_;
+  std::vector<std::filesystem::path> files_;
+  std::vector<Nanoseconds> stamps_;
+  Trajectory ground_truth_;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace groundloop::recordings

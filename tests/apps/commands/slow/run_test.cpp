@@ -1,0 +1,153 @@
+// Whole runs: on the real drive, and the same bytes from one thread, two threads and a run that was
+// interrupted.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "backend/session/session.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/recordings/recording.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace groundloop {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::run_command;
+using testing::TemporaryFolder;
+
+// Unpacks the real drive once for all tests; empty where it is not there.
+fs::path real_drive() {
+  const fs::path unpack = fs::path(GROUNDLOOP_SHARED_DATA) / "unpack.sh";
+  const fs::path to = fs::path(GROUNDLOOP_TEST_WORK) / "real_drive";
+  if (!fs::exists(unpack)) return {};
+  fs::create_directories(to);
+  const std::string command = "'" + unpack.string() + "' '" + to.string() + "' >/dev/null";
+  if (std::system(command.c_str()) != 0) return {};
+  return to / "kitti_00_keyframes";
+}
+
+// Checksums of the files that hold neither times nor logs.
+std::map<std::string, std::uint64_t> fingerprints(const fs::path& session) {
+  std::map<std::string, std::uint64_t> result;
+  for (const auto& entry : fs::recursive_directory_iterator(session)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string name = fs::relative(entry.path(), session).string();
+    if (name == "metrics.json" || name == "run.log" || name == "report.html") continue;
+    result[name] = fnv1a_of_file(entry.path());
+  }
+  return result;
+}
+
+struct Errors {
+  double translation, rotation;  // m, rad
+};
+
+// Medians over the scans of the reference map that come within 15 m of the query map's: there the
+// closure was measured. At the maps' origins, 100 m away, the drift inside both maps adds to it.
+Errors errors_where_maps_meet(const ClosureRecord& closure, const LocalMapRecord& reference,
+                              const LocalMapRecord& query, const Trajectory& odometry,
+                              const Trajectory& truth) {
+  constexpr double kNear = 15.0;
+  const auto in_map = [&](const LocalMapRecord& map, std::size_t scan) {
+    return odometry[map.first_scan].pose.inverse() * odometry[scan].pose;
+  };
+  std::vector<double> translations, rotations;
+  for (std::size_t i = reference.first_scan; i <= reference.last_scan; ++i) {
+    const Pose T_query_i = closure.T_query_reference * in_map(reference, i);
+    const auto distance = [&](std::size_t j) {
+      return (in_map(query, j).translation - T_query_i.translation).norm();
+    };
+    std::size_t nearest = query.first_scan;
+    for (std::size_t j = query.first_scan; j <= query.last_scan; ++j) {
+      if (distance(j) < distance(nearest)) nearest = j;
+    }
+    if (distance(nearest) > kNear) continue;
+    const Pose T_nearest_i = in_map(query, nearest).inverse() * T_query_i;
+    const Pose expected = truth[nearest].pose.inverse() * truth[i].pose;
+    const Pose error = expected.inverse() * T_nearest_i;
+    translations.push_back(error.translation.norm());
+    rotations.push_back(rotation_angle(error.rotation));
+  }
+  const auto median = [](std::vector<double>& values) {
+    if (values.empty()) return HUGE_VAL;  // maps that do not meet: a false closure
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+  };
+  return {median(translations), median(rotations)};
+}
+
+TEST(RealDrive, ClosesItsLoopsAndNoOthers) {
+  const fs::path drive = real_drive();
+  if (drive.empty())
+    GTEST_SKIP() << "the real drive (kitti_00_keyframes) is not beside the project";
+  const TemporaryFolder folder;
+  const auto result = run_command({"run", drive.string(), "--out", (folder / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+
+  const auto recording = open_recording(drive.string());
+  const Trajectory truth = recording->ground_truth();
+  const auto maps = read_local_maps(folder / "out" / "local_maps.csv");
+  const Trajectory odometry_poses = read_tum(folder / "out" / "odometry.tum");
+  int accepted = 0;
+  for (const ClosureRecord& c : read_closures(folder / "out" / "closures.csv")) {
+    if (c.status != ClosureStatus::accepted) continue;
+    ++accepted;
+    const Errors errors =
+        errors_where_maps_meet(c, maps[c.reference_map], maps[c.query_map], odometry_poses, truth);
+    EXPECT_LT(errors.translation, 2.0) << c.reference_map << " - " << c.query_map;
+    EXPECT_LT(errors.rotation, 3.0 * M_PI / 180.0) << c.reference_map << " - " << c.query_map;
+  }
+  EXPECT_GT(accepted, 5);
+  // Each closure pictured in the report has three density images; at most eight have, in 1 MB.
+  const std::string report = read_text(folder / "out" / "report.html");
+  std::size_t pictures = 0;
+  for (std::size_t at = report.find("data:image/png"); at != std::string::npos;
+       at = report.find("data:image/png", at + 1)) {
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 3U * static_cast<std::size_t>(std::min(accepted, 8)));
+  EXPECT_LT(report.size(), 3U << 20);
+  const auto metrics = nlohmann::json::parse(read_text(folder / "out" / "metrics.json"));
+  const double odometry = metrics["ape"]["odometry"]["translation_m"]["rmse"];
+  const double optimised = metrics["ape"]["optimised"]["translation_m"]["rmse"];
+  EXPECT_LT(optimised, 2.1);
+  EXPECT_LT(optimised, 0.5 * odometry);
+}
+
+TEST(Run, GivesTheSameBytesFromOneThreadTwoThreadsAndAgain) {
+  const TemporaryFolder folder;
+  const std::string recording = "sim:town?sensor=spin16&length=400&seed=3";
+  for (const char* threads : {"1", "2"}) {
+    const auto result =
+        run_command({"--threads", threads, "run", recording, "--out", (folder / threads).string()});
+    ASSERT_EQ(result.exit_code, 0) << result.standard_error;
+  }
+  EXPECT_EQ(fingerprints(folder / "1"), fingerprints(folder / "2"));
+}
+
+TEST(Run, InterruptedAndResumedGivesTheBytesOfOneThatWasNot) {
+  const TemporaryFolder folder;
+  const std::string recording = "'sim:town?sensor=spin16&length=400&seed=3'";
+  const std::string run = std::string(GROUNDLOOP_BINARY) + " run " + recording + " --quiet --out ";
+  ASSERT_EQ(std::system((run + (folder / "whole").string()).c_str()), 0);
+  const int interrupted = std::system(
+      ("timeout -s INT 6 " + run + (folder / "parts").string() + " 2>/dev/null").c_str());
+  ASSERT_TRUE(WIFEXITED(interrupted));
+  if (WEXITSTATUS(interrupted) == 0)
+    GTEST_SKIP() << "this machine finished the run before it was interrupted";
+  EXPECT_FALSE(fs::exists(folder / "parts" / "trajectory.tum"));
+  ASSERT_TRUE(fs::exists(folder / "parts" / "checkpoint.bin"));
+  ASSERT_EQ(std::system((run + (folder / "parts").string() + " --resume").c_str()), 0);
+  EXPECT_EQ(fingerprints(folder / "whole"), fingerprints(folder / "parts"));
+}
+
+}  // namespace
+}  // namespace groundloop
