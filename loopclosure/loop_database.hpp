@@ -3,8 +3,11 @@
 // does not decide whether they are true.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "loopclosure/consensus.hpp"
@@ -37,11 +40,17 @@ class LoopDatabase {
   /// Removes all maps of a session.
   void remove_session(int session);
 
-  /// Writes the descriptions, versioned and with a checksum; the forest follows from them.
+  /// The descriptions, versioned and with a checksum; the forest follows from them.
+  [[nodiscard]] std::vector<std::byte> bytes() const;
   void save(const std::filesystem::path& file) const;
-  /// Throws InputError where the file is no loop database, of another version, or damaged.
+  /// Throws InputError, naming the file, where it is no loop database, of another version, damaged,
+  /// or holds what no map can have.
   [[nodiscard]] static LoopDatabase load(const std::filesystem::path& file,
                                          const LoopClosureOptions& options);
+  /// The same from memory; `name` is what errors call it.
+  [[nodiscard]] static LoopDatabase from_bytes(std::span<const std::byte> bytes,
+                                               const std::string& name,
+                                               const LoopClosureOptions& options);
 
  private:
   [[nodiscard]] bool is_candidate(const MapKey& reference, const MapKey& query) const;

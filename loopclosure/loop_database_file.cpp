@@ -1,14 +1,18 @@
-// The loop database on disk: a magic word, a version, the descriptions, and an FNV-1a checksum of
+// The loop database on disk: a magic word, a version, the descriptions, and a checksum of
 // all that. Numbers are little-endian, as on every machine groundloop builds for.
 
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <set>
 #include <span>
 #include <string>
 #include <type_traits>
 
+#include "frontend/core/checksum.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "loopclosure/loop_database.hpp"
 
 namespace groundloop {
@@ -17,7 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr char kMagic[8] = {'G', 'L', 'O', 'O', 'P', 'D', 'B', '\0'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 class Writer {
  public:
@@ -33,6 +37,7 @@ class Writer {
     bytes_.insert(bytes_.end(), bytes, bytes + count * sizeof(T));
   }
   [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
+  [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
 
  private:
   std::vector<std::byte> bytes_;
@@ -80,6 +85,22 @@ void write(Writer& out, const MapDescription& d) {
   }
 }
 
+// A checksum tells damage, not what somebody else's program wrote: no number that is none, or that
+// no map could have, goes on from here.
+void check_plausible(const MapDescription& d, const Reader& in) {
+  constexpr float kFar = 1e5F;  // m
+  if (d.key.session < 0 || d.key.map < 0) in.fail("a map or session has a negative number");
+  if (!d.T_ground_map.translation.allFinite() || !std::isfinite(d.ground_quality) ||
+      !(std::abs(d.T_ground_map.rotation.norm() - 1.0) < 1e-6))
+    in.fail("the ground alignment is no pose");
+  for (const Eigen::Vector2f& keypoint : d.keypoints) {
+    if (!(keypoint.cwiseAbs().maxCoeff() < kFar)) in.fail("a keypoint lies nowhere near the map");
+  }
+  for (const float orientation : d.orientations) {
+    if (!std::isfinite(orientation)) in.fail("an orientation is no number");
+  }
+}
+
 MapDescription read(Reader& in) {
   MapDescription d;
   d.key.session = in.value<std::int32_t>();
@@ -99,27 +120,36 @@ MapDescription read(Reader& in) {
     in.values(&d.orientations[i], 1);
     in.values(d.descriptors[i].data(), d.descriptors[i].size());
   }
+  check_plausible(d, in);
   return d;
 }
 
 }  // namespace
 
-void LoopDatabase::save(const std::filesystem::path& file) const {
+std::vector<std::byte> LoopDatabase::bytes() const {
   Writer out;
   out.values(kMagic, sizeof(kMagic));
   out.value(kVersion);
   out.value(static_cast<std::uint32_t>(descriptions_.size()));
   for (const MapDescription& d : descriptions_) write(out, d);
-  out.value(fnv1a(out.bytes()));
-  AtomicFile target(file);
-  target.write(out.bytes().data(), out.bytes().size());
+  out.value(checksum(std::span<const std::byte>(out.bytes())));
+  return out.take();
+}
+
+void LoopDatabase::save(const std::filesystem::path& file) const {
+  const std::vector<std::byte> all = bytes();
+  OutputFile target(file);
+  target.write(all.data(), all.size());
   target.commit();
 }
 
 LoopDatabase LoopDatabase::load(const std::filesystem::path& file,
                                 const LoopClosureOptions& options) {
-  const std::vector<std::byte> bytes = read_file(file);
-  const std::string name = file.string();
+  return from_bytes(read_file(file), file.string(), options);
+}
+
+LoopDatabase LoopDatabase::from_bytes(std::span<const std::byte> bytes, const std::string& name,
+                                      const LoopClosureOptions& options) {
   constexpr std::size_t kHeader = sizeof(kMagic) + 2 * sizeof(std::uint32_t);
   if (bytes.size() < kHeader + sizeof(std::uint64_t) ||
       std::memcmp(bytes.data(), kMagic, sizeof(kMagic)) != 0) {
@@ -131,16 +161,21 @@ LoopDatabase LoopDatabase::load(const std::filesystem::path& file,
     throw InputError(name + ": version " + std::to_string(version) + " of the loop database, not " +
                      std::to_string(kVersion) + "; write it again with `groundloop run`");
   }
-  std::uint64_t checksum = 0;
-  std::memcpy(&checksum, bytes.data() + body.size(), sizeof(checksum));
-  if (checksum != fnv1a(body)) {
+  std::uint64_t expected = 0;
+  std::memcpy(&expected, bytes.data() + body.size(), sizeof(expected));
+  if (expected != checksum(body)) {
     throw InputError(name +
                      ": the checksum differs, so the file is damaged; write it again with "
                      "`groundloop run`");
   }
   const auto count = in.value<std::uint32_t>();
   LoopDatabase database(options);
-  for (std::uint32_t i = 0; i < count; ++i) database.insert(read(in));
+  std::set<MapKey> keys;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    MapDescription description = read(in);
+    if (!keys.insert(description.key).second) in.fail("a map occurs twice");
+    database.insert(std::move(description));
+  }
   if (in.left() != 0) in.fail("bytes follow the last description");
   return database;
 }

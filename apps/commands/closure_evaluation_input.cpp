@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <memory>
 
-#include <nlohmann/json.hpp>
-
 #include "apps/commands/run.hpp"
+#include "backend/session/manifest.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/core/trajectory.hpp"
@@ -19,18 +18,8 @@ namespace groundloop::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr double kMaxRange = 100.0;  // m, as odometry crops scans
-
-Json read_manifest(const SessionFolder& session) {
-  const fs::path file = session.file("manifest.json");
-  Json manifest = Json::parse(read_text(file), nullptr, false);
-  if (manifest.is_discarded() || !manifest.is_object()) {
-    throw InputError(file.string() + ": no JSON object; run the recording again");
-  }
-  return manifest;
-}
 
 // Ground truth at any stamp, between its poses.
 class TruePoses {
@@ -133,25 +122,15 @@ void add_maps(const EvaluatedPart& part, int session, const std::string& ground_
 
 std::vector<EvaluatedPart> read_parts(const SessionFolder& session,
                                       const std::vector<std::string>& recordings) {
-  const Json manifest = read_manifest(session);
+  const Manifest manifest = read_complete_manifest(session);
   std::vector<EvaluatedPart> parts;
-  try {
-    if (manifest.contains("sessions")) {
-      for (const Json& s : manifest.at("sessions")) {
-        EvaluatedPart part;
-        part.name = s.at("name").get<std::string>();
-        part.recording = s.at("recording").get<std::string>();
-        part.tables = session.path() / "sessions" / part.name;
-        part.first_map = s.at("first_map").get<int>();
-        parts.push_back(part);
-      }
-    } else {
-      parts.push_back({session.name(), manifest.at("recording").at("path").get<std::string>(),
-                       session.path(), 0});
-    }
-  } catch (const Json::exception& e) {
-    throw InputError(session.file("manifest.json").string() + ": " + e.what() +
-                     "; run the recording again");
+  for (const ManifestPart& p : manifest.parts) {
+    parts.push_back(
+        {p.name, p.recording, session.path() / "sessions" / p.name, static_cast<int>(p.first_map)});
+  }
+  // closures.csv of one recording names no session.
+  if (!manifest.merged()) {
+    parts.push_back({"", manifest.recording.at("path").get<std::string>(), session.path(), 0});
   }
   if (!recordings.empty()) {
     if (recordings.size() != parts.size()) {

@@ -8,7 +8,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/report.hpp"
-#include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "frontend/core/pcd.hpp"
 #include "loopclosure/evaluation/evaluation.hpp"
 

@@ -5,15 +5,14 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "backend/map/map_assembly.hpp"
+#include "backend/session/manifest.hpp"
 #include "backend/session/session.hpp"
 #include "frontend/core/error.hpp"
-#include "frontend/core/files.hpp"
 
 namespace groundloop::apps {
 namespace fs = std::filesystem;
@@ -71,35 +70,24 @@ Pieces pieces_of(const SessionFolder& session) {
   Pieces result;
   const std::vector<LocalMapRecord> maps = read_local_maps(session.file("local_maps.csv"));
   const Layout layout(session, maps);
-  nlohmann::json parts;
-  const fs::path manifest = session.file("manifest.json");
-  if (fs::exists(manifest)) {
-    try {
-      parts = nlohmann::json::parse(read_text(manifest)).value("sessions", nlohmann::json());
-    } catch (const nlohmann::json::exception&) {
-      throw InputError(manifest.string() + ": damaged; make the session again");
-    }
-  }
-  if (!parts.is_array() || parts.empty()) {
+  const Manifest manifest = has_manifest(session) ? read_complete_manifest(session) : Manifest();
+  if (!manifest.merged()) {
     for (const LocalMapRecord& map : maps) result.pieces.push_back(layout.piece(map, 0));
     return result;
   }
-  result.sessions = parts.size();
-  try {
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      if (parts[p].at("frame") != parts[0].at("frame")) {
-        result.apart.push_back(parts[p].at("name").get<std::string>());
-        continue;
-      }
-      const int first = parts[p].at("first_map").get<int>();
-      const int last = first + parts[p].at("local_maps").get<int>();
-      for (const LocalMapRecord& map : maps) {
-        if (map.map < first || map.map >= last) continue;
-        result.pieces.push_back(layout.piece(map, static_cast<std::uint16_t>(p)));
-      }
+  result.sessions = manifest.parts.size();
+  for (std::size_t p = 0; p < manifest.parts.size(); ++p) {
+    const ManifestPart& part = manifest.parts[p];
+    if (part.frame != manifest.parts.front().frame) {
+      result.apart.push_back(part.name);
+      continue;
     }
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(manifest.string() + ": damaged or of another version; merge again");
+    const auto first = static_cast<int>(part.first_map);
+    const int last = first + static_cast<int>(part.local_maps);
+    for (const LocalMapRecord& map : maps) {
+      if (map.map < first || map.map >= last) continue;
+      result.pieces.push_back(layout.piece(map, static_cast<std::uint16_t>(p)));
+    }
   }
   return result;
 }

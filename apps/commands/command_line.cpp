@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <exception>
+#include <new>
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -71,8 +72,11 @@ int run_command_line(int argc, const char* const* argv) {
     print_error(e.what());
     return 2;
   } catch (const Interrupted&) {
-    print_error("interrupted; run the same command with --resume to go on");
+    print_error(("interrupted; " + context.after_interruption).c_str());
     return 130;
+  } catch (const std::bad_alloc&) {
+    print_error("memory ran out; close other programs, or use a machine that has more");
+    return 2;
   } catch (const std::exception& e) {
     print_error(e.what());
     return 1;

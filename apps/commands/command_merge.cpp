@@ -42,6 +42,10 @@ void add_merge_command(CLI::App& app, Context& context) {
                    "folders that `run` or `merge` left; the first is the reference")
       ->required();
   command->add_option("--out", arguments->merge.out, "folder of the merged session")->required();
+  command->add_flag("--resume", arguments->merge.resume,
+                    "go on with the unfinished merge in the folder");
+  command->add_flag("--overwrite", arguments->merge.overwrite,
+                    "replace the session in the folder, once the new one is complete");
   command->add_option("--fix", arguments->merge.fixed,
                       "session to hold as the reference map, one of those named");
   command

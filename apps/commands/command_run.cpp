@@ -40,7 +40,9 @@ void add_run_command(CLI::App& app, Context& context) {
                       "trajectory to compare with: TUM or KITTI");
   command->add_option("--first", request.reading.first, "number of the first scan to use, from 0");
   command->add_option("--count", request.reading.count, "number of scans to use");
-  command->add_flag("--resume", request.resume, "go on with an interrupted run");
+  command->add_flag("--resume", request.resume, "go on with the unfinished session in the folder");
+  command->add_flag("--overwrite", request.overwrite,
+                    "replace the session in the folder, once the new one is complete");
   add_config_options(*command, *arguments);
   command->callback([arguments, &context] {
     RunRequest& run = arguments->request;
@@ -58,6 +60,8 @@ void add_demo_command(CLI::App& app, Context& context) {
   arguments->request.recording = "sim:town?sensor=spin64&carrier=car&length=1000&seed=1";
   arguments->request.out = "groundloop_demo";
   command->add_option("--out", arguments->request.out, "folder of the session (groundloop_demo)");
+  command->add_flag("--overwrite", arguments->request.overwrite,
+                    "replace the session in the folder, once the new one is complete");
   add_config_options(*command, *arguments);
   command->callback([arguments, &context] {
     arguments->request.config = effective_config(arguments->config_file, arguments->settings);

@@ -14,6 +14,8 @@ struct Context {
   bool quiet = false;
   bool verbose = false;
   int threads = 0;  ///< 0: all cores
+  /// What is said after Ctrl-C: what was left, and how to go on.
+  std::string after_interruption = "nothing was written";
 };
 
 void add_run_command(CLI::App& app, Context& context);

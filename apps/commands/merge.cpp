@@ -1,7 +1,7 @@
 #include "apps/commands/merge.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <map>
 
 #include <spdlog/spdlog.h>
 
@@ -10,8 +10,12 @@
 #include "apps/report/merge_documents.hpp"
 #include "backend/graph/g2o_file.hpp"
 #include "backend/map/map_assembly.hpp"
+#include "backend/session/session_output.hpp"
+#include "frontend/core/checksum.hpp"
+#include "frontend/core/clock.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "frontend/simulation/open_any_recording.hpp"
 #include "loopclosure/loop_database.hpp"
 
@@ -19,12 +23,6 @@ namespace groundloop::apps {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 MergeOptions merge_options(const Config& config) {
   const SlamOptions& slam = config.slam;
@@ -42,37 +40,34 @@ bool same_folder(const fs::path& a, const fs::path& b) {
   return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
 }
 
-// Refuses a folder that holds something else, and clears what an earlier merge left.
-void prepare_folder(const MergeRequest& request) {
+// The output must not be one of the inputs.
+void check_out(const MergeRequest& request) {
   for (const fs::path& session : request.sessions) {
     if (same_folder(session, request.out)) {
       throw InputError(request.out.string() +
                        ": is one of the sessions to merge; choose another --out");
     }
   }
-  const SessionFolder folder(request.out);
-  std::error_code error;
-  if (fs::exists(request.out)) {
-    if (!fs::is_directory(request.out))
-      throw InputError(request.out.string() + ": is no folder; choose another --out");
-    if (!fs::is_empty(request.out, error) && !fs::exists(folder.file("manifest.json"))) {
-      throw InputError(request.out.string() +
-                       ": holds files that are no session; choose another --out");
-    }
-    // The manifest goes first: what is left without it is no session.
-    fs::remove(folder.file("manifest.json"), error);
-    fs::remove_all(request.out / "local_maps", error);
-    fs::remove_all(request.out / "sessions", error);
+}
+
+// What the merge is made of: every session as its manifest says, what holds, and given matches.
+SessionIdentity identity_of(const MergeRequest& request, const std::string& configuration) {
+  Checksum input;
+  for (const fs::path& session : request.sessions) {
+    const SessionFolder folder(session);
+    input.add(folder.name()).add_value(has_manifest(folder));
+    if (has_manifest(folder)) input.add_value(checksum_of_file(folder.file("manifest.json")));
   }
-  fs::create_directories(request.out / "local_maps", error);
-  if (error) {
-    throw InputError(request.out.string() + ": cannot be written: " + error.message() +
-                     "; choose another --out");
+  input.add(request.fixed);
+  for (const fs::path& file : request.matches) {
+    std::error_code error;
+    if (fs::is_regular_file(file, error)) input.add_value(checksum_of_file(file));
   }
+  return {"merge", GROUNDLOOP_VERSION, hex(input.value()), hex(checksum(configuration))};
 }
 
 std::vector<StoredSession> load_sessions(const MergeRequest& request,
-                                         std::vector<LeftOut>& left_out) {
+                                         std::vector<ManifestLeftOut>& left_out) {
   std::vector<StoredSession> sessions;
   for (std::size_t i = 0; i < request.sessions.size(); ++i) {
     const fs::path& path = request.sessions[i];
@@ -119,6 +114,27 @@ std::vector<PairMatches> load_matches(const std::vector<fs::path>& files) {
   return all;
 }
 
+// Matches are kept in an unfinished merge, a file a pair, so that a resumed one need not find them
+// again.
+class KeptMatches {
+ public:
+  explicit KeptMatches(const SessionFolder& out) : folder_(out.path() / "matches") {}
+
+  [[nodiscard]] std::vector<PairMatches> load() {
+    if (!fs::is_directory(folder_)) return {};
+    const std::vector<fs::path> files = list_files(folder_, ".csv");
+    next_ = files.size();
+    return load_matches(files);
+  }
+  void keep(const PairMatches& matches) {
+    write_matches(folder_ / (std::to_string(next_++) + ".csv"), {matches});
+  }
+
+ private:
+  fs::path folder_;
+  std::size_t next_ = 0;
+};
+
 // What came with the recording, or the file that was named; empty where neither can be read.
 Trajectory ground_truth_of(const SessionPart& part, const MergeRequest& request) {
   std::unique_ptr<Recording> recording;
@@ -133,6 +149,22 @@ Trajectory ground_truth_of(const SessionPart& part, const MergeRequest& request)
   return recording ? read_ground_truth(file->second, *recording) : read_tum(file->second);
 }
 
+// Of every recording, read before the work begins. Throws InputError where a file that was named
+// cannot be used.
+std::map<std::string, Trajectory> read_ground_truths(const MergeRequest& request,
+                                                     const std::vector<StoredSession>& sessions) {
+  std::map<std::string, Trajectory> truths;
+  for (const StoredSession& session : sessions) {
+    for (const SessionPart& part : session.parts)
+      truths[part.name] = ground_truth_of(part, request);
+  }
+  for (const auto& [name, file] : request.ground_truth) {
+    if (truths.count(name) == 0)
+      throw InputError("--ground-truth " + name + "=...: no such session");
+  }
+  return truths;
+}
+
 // Maps keep their files: linked where the disk allows it, else copied.
 void bring_local_maps(const SessionFolder& out, const MergeResult& result,
                       const std::vector<StoredSession>& sessions) {
@@ -141,12 +173,10 @@ void bring_local_maps(const SessionFolder& out, const MergeResult& result,
       const fs::path from =
           sessions[part.session].folder.local_map(part.source->first_map + map.map);
       const fs::path to = out.local_map(part.first_map + map.map);
-      std::error_code error;
-      fs::create_hard_link(from, to, error);
-      if (error) fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-      if (error) throw InputError(to.string() + ": cannot be written: " + error.message());
+      link_or_copy(from, to);
     }
   }
+  sync_folder(out.path() / "local_maps");
 }
 
 void write_map(const SessionFolder& out, const MergeResult& result, const MapSection& options,
@@ -206,6 +236,31 @@ void write_tables(const SessionFolder& out, const MergeResult& result,
   database.save(out.file("loop_database.bin"));
 }
 
+std::vector<Trajectory> in_order(const MergeResult& result,
+                                 const std::map<std::string, Trajectory>& truths) {
+  std::vector<Trajectory> ordered;
+  for (const MergedPart& part : result.parts) ordered.push_back(truths.at(part.source->name));
+  return ordered;
+}
+
+std::string log_text(const MergeResult& result, const std::vector<ManifestLeftOut>& left_out) {
+  std::string log;
+  for (const std::string& note : result.notes) log += note + "\n";
+  for (const ManifestLeftOut& l : left_out) log += "left out: " + l.input + ": " + l.reason + "\n";
+  return log;
+}
+
+void warn_of_parts_apart(const MergeResult& result) {
+  for (const MergedPart& part : result.parts) {
+    if (part.frame == result.parts.front().frame) continue;
+    spdlog::warn(
+        "'{}' is not connected to '{}': its poses are in the frame of '{}', and map.pcd does not "
+        "hold it",
+        part.source->name, result.parts.front().source->name,
+        result.parts[part.frame].source->name);
+  }
+}
+
 void log_evaluation(const MergeResult& result, const MergeEvaluation& evaluation) {
   for (std::size_t p = 0; p < result.parts.size(); ++p) {
     if (!evaluation.optimised[p]) continue;
@@ -226,67 +281,54 @@ void log_evaluation(const MergeResult& result, const MergeEvaluation& evaluation
 
 }  // namespace
 
-void merge_recordings(const MergeRequest& request, const Context& context) {
+void merge_recordings(const MergeRequest& request, Context& context) {
   const auto start = Clock::now();
   validate_config(request.config);
-  std::vector<LeftOut> left_out;
+  check_out(request);
+  const std::string configuration = to_yaml(request.config);
+  const SessionIdentity identity = identity_of(request, configuration);
+  std::vector<ManifestLeftOut> left_out;
   const std::vector<StoredSession> sessions = load_sessions(request, left_out);
   const std::optional<std::size_t> fixed = fixed_session(request, sessions);
-  const std::vector<PairMatches> matches = load_matches(request.matches);
-  for (const auto& [name, file] : request.ground_truth) {
-    bool known = false;
-    for (const StoredSession& session : sessions) {
-      for (const SessionPart& part : session.parts) known = known || part.name == name;
-    }
-    if (!known) throw InputError("--ground-truth " + name + "=...: no such session");
+  std::vector<PairMatches> matches = load_matches(request.matches);
+  const std::map<std::string, Trajectory> truths = read_ground_truths(request, sessions);
+  SessionOutput output(request.out, identity, configuration, {request.overwrite, request.resume});
+  if (output.state() == SessionOutput::State::finished) {
+    spdlog::info("{}: the merge is finished; there is nothing to resume", request.out.string());
+    return;
   }
+  const SessionFolder& out = output.folder();
+  context.after_interruption = "run the same command with --resume to go on";
   stop_on_signals();
   const Progress progress = make_progress(context);
-  const bool existed = fs::exists(request.out);
-  prepare_folder(request);
-  const SessionFolder out(request.out);
-  MergeResult result;
-  double map_seconds = 0.0;
+  MergeOptions options = merge_options(request.config);
+  KeptMatches kept(out);
+  for (PairMatches& pair : kept.load()) matches.push_back(std::move(pair));
+  options.on_matched = [&](const PairMatches& pair) { kept.keep(pair); };
   try {
-    result = merge_sessions(sessions, matches, fixed, merge_options(request.config), progress);
-    write_text_atomically(out.file("config.yaml"), to_yaml(request.config));
+    const MergeResult result = merge_sessions(sessions, matches, fixed, options, progress);
     bring_local_maps(out, result, sessions);
     write_tables(out, result, request.config.slam.loop_closure);
     const auto map_start = Clock::now();
     if (request.config.map.write) write_map(out, result, request.config.map, progress);
-    map_seconds = seconds_since(map_start);
+    const double map_seconds = seconds_since(map_start);
+    end_progress();
+    const MergeEvaluation evaluation = evaluate_merge(result, in_order(result, truths));
+    write_text_atomically(out.file("report.html"),
+                          merge_report(result, evaluation, left_out, request.config));
+    write_text_atomically(out.file("run.log"), log_text(result, left_out));
+    write_text_atomically(
+        out.file("metrics.json"),
+        merge_metrics(result, evaluation, map_seconds, seconds_since(start)).dump(2) + "\n");
+    output.complete(merge_manifest(out, result, sessions, left_out));
+    warn_of_parts_apart(result);
+    log_evaluation(result, evaluation);
   } catch (...) {
     end_progress();
-    std::error_code error;
-    if (!existed) fs::remove_all(request.out, error);
+    // Matches are what a merge takes its time for.
+    if (!fs::exists(out.path() / "matches")) output.discard();
     throw;
   }
-  end_progress();
-  std::vector<Trajectory> truths;
-  for (const MergedPart& part : result.parts)
-    truths.push_back(ground_truth_of(*part.source, request));
-  const MergeEvaluation evaluation = evaluate_merge(result, std::move(truths));
-  write_text_atomically(out.file("report.html"),
-                        merge_report(result, evaluation, left_out, request.config));
-  std::string log;
-  for (const std::string& note : result.notes) log += note + "\n";
-  for (const LeftOut& l : left_out) log += "left out: " + l.path + ": " + l.reason + "\n";
-  write_text_atomically(out.file("run.log"), log);
-  write_text_atomically(
-      out.file("metrics.json"),
-      merge_metrics(result, evaluation, map_seconds, seconds_since(start)).dump(2) + "\n");
-  write_text_atomically(out.file("manifest.json"),
-                        merge_manifest(out, result, sessions, left_out).dump(2) + "\n");
-  for (const MergedPart& part : result.parts) {
-    if (part.frame != result.parts.front().frame) {
-      spdlog::warn(
-          "'{}' is not connected to '{}': its poses are in the frame of '{}', and "
-          "map.pcd does not hold it",
-          part.source->name, result.parts.front().source->name,
-          result.parts[part.frame].source->name);
-    }
-  }
-  log_evaluation(result, evaluation);
 }
 
 void match_recordings(const MatchRequest& request, const Context& context) {

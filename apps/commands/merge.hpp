@@ -19,11 +19,13 @@ struct MergeRequest {
   std::vector<std::filesystem::path> matches;  ///< files of `groundloop match`
   std::map<std::string, std::filesystem::path> ground_truth;  ///< by recording
   Config config;
+  bool overwrite = false;
+  bool resume = false;  ///< go on with an unfinished merge in `out`: pairs matched stay matched
 };
 
 /// A session that cannot be used is named in a warning and left out. Throws InputError where fewer
 /// than two are left or the one to hold is not among them.
-void merge_recordings(const MergeRequest& request, const Context& context);
+void merge_recordings(const MergeRequest& request, Context& context);
 
 struct MatchRequest {
   std::filesystem::path reference, query, out;

@@ -1,7 +1,6 @@
 #include "apps/commands/run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -14,8 +13,13 @@
 #include "apps/report/session_documents.hpp"
 #include "backend/map/map_assembly.hpp"
 #include "backend/mapping/checkpoint.hpp"
+#include "backend/session/manifest.hpp"
+#include "frontend/core/checksum.hpp"
+#include "frontend/core/clock.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
+#include "frontend/recordings/fingerprint.hpp"
 #include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop::apps {
@@ -23,63 +27,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The folder a run writes to. Refuses one that holds something else, and clears what an earlier run
-// left.
-class RunFolder {
- public:
-  RunFolder(const fs::path& path, bool resume) : session_(path), existed_(fs::exists(path)) {
-    std::error_code error;
-    if (existed_ && !fs::is_directory(path))
-      throw InputError(path.string() + ": is no folder; choose another --out");
-    if (existed_ && !resume && !fs::is_empty(path, error) &&
-        !fs::exists(session_.file("manifest.json")) && !Checkpoint(session_).exists()) {
-      throw InputError(path.string() + ": holds files that are no session; choose another --out");
-    }
-    fs::create_directories(path / "local_maps", error);
-    if (error)
-      throw InputError(path.string() + ": cannot be written: " + error.message() +
-                       "; choose another --out");
-    write_text_atomically(session_.file("run.log"), "");
-    if (!resume) clear();
-  }
-  [[nodiscard]] const SessionFolder& session() const { return session_; }
-
-  /// After a failure before anything worth keeping was made.
-  void discard() const {
-    if (Checkpoint(session_).exists()) return;
-    std::error_code error;
-    if (!existed_) {
-      fs::remove_all(session_.path(), error);
-    } else {
-      clear();
-      fs::remove(session_.file("run.log"), error);
-      fs::remove(session_.path() / "local_maps", error);
-    }
-  }
-
- private:
-  void clear() const {
-    std::error_code error;
-    for (const char* name : {"manifest.json", "config.yaml", "odometry.tum", "trajectory.tum",
-                             "trajectory.kitti", "closures.csv", "pose_graph.g2o", "local_maps.csv",
-                             "loop_database.bin", "map.pcd", "metrics.json", "report.html"}) {
-      fs::remove(session_.file(name), error);
-    }
-    Checkpoint(session_).remove();
-    for (const fs::path& file : list_files(session_.path() / "local_maps", ".pcd"))
-      fs::remove(file, error);
-  }
-
-  SessionFolder session_;
-  bool existed_;
-};
-
 // Sends the log to run.log as well, while it lives.
 class RunLog {
  public:
-  explicit RunLog(const fs::path& file)
-      : sink_(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), true)) {
+  // A session that is resumed goes on with its log. A log that cannot be written costs no session.
+  RunLog(const fs::path& file, bool resumed) {
+    try {
+      sink_ = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), !resumed);
+    } catch (const spdlog::spdlog_ex& e) {
+      throw InputError(file.string() + ": cannot be written; make room, or choose another --out");
+    }
     sink_->set_pattern("%Y-%m-%d %H:%M:%S %l: %v");
+    spdlog::default_logger()->set_error_handler([](const std::string&) {});
     spdlog::default_logger()->sinks().push_back(sink_);
   }
   ~RunLog() {
@@ -107,10 +66,16 @@ void write_map(const SessionFolder& folder, const SlamResult& result, double vox
   writer->finish();
 }
 
+// Whatever goes wrong with the evaluation, the session is what it is.
 std::optional<RunEvaluation> evaluate(const SlamResult& result, const Trajectory& ground_truth) {
   if (ground_truth.empty()) return std::nullopt;
-  return RunEvaluation{evaluate_trajectory(result.odometry, ground_truth),
-                       evaluate_trajectory(result.solution.trajectory, ground_truth)};
+  try {
+    return RunEvaluation{evaluate_trajectory(result.odometry, ground_truth),
+                         evaluate_trajectory(result.solution.trajectory, ground_truth)};
+  } catch (const InputError& e) {
+    spdlog::warn("no errors against ground truth: {}", e.what());
+    return std::nullopt;
+  }
 }
 
 void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& evaluation) {
@@ -145,6 +110,59 @@ void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& e
   }
   spdlog::info("{:.1f} s in all, {:.1f} scans a second, {:.0f} MB peak memory", result.times.total,
                static_cast<double>(result.odometry.size()) / result.times.total, peak_memory_mb());
+}
+
+void log_recording(const Recording& recording) {
+  const RecordingInfo& info = recording.info();
+  spdlog::info("{}: {}, {} scans, {}", info.path, info.format, recording.size(),
+               info.sensor.empty() ? "sensor not stated" : info.sensor);
+  spdlog::info("stamps: {}; per-point times: {}", info.stamp_source, info.point_times);
+  for (const std::string& note : info.notes) spdlog::info("{}", note);
+}
+
+// Local maps and the map are nearly all of a session: 50 MB a kilometre each where 64 beams see a
+// town. The way is not known yet; a scan a metre is many.
+void check_room(const fs::path& folder, std::size_t scans) {
+  constexpr double kPerScan = 0.1;  // MB
+  constexpr double kLeast = 20.0;
+  const double needed = kLeast + kPerScan * static_cast<double>(scans);
+  const double free = static_cast<double>(free_space(folder)) / 1e6;
+  spdlog::info("the session will take up to some {:.0f} MB; {:.0f} MB are free", needed, free);
+  if (free < kLeast) {
+    throw InputError(folder.string() + ": " + std::to_string(std::lround(free)) +
+                     " MB are free, a session takes more; make room or choose another --out");
+  }
+  if (free < needed) {
+    spdlog::warn(
+        "the disk may fill up before the end; the session is kept then, and --resume goes on");
+  }
+}
+
+Manifest manifest_of(const SessionFolder& session, const Recording& recording,
+                     const SlamResult& result) {
+  Manifest manifest;
+  manifest.recording = recording_document(recording.info(), recording.size());
+  manifest.sensor = recording.info().sensor;
+  manifest.scans = result.odometry.size();
+  manifest.local_maps = result.maps.size();
+  manifest.checksums = checksums_of(session, manifest.local_maps);
+  return manifest;
+}
+
+// What comes after the map: errors, documents, and the manifest, which makes the session complete.
+void finish(SessionOutput& output, const Recording& recording, const RunRequest& request,
+            const Trajectory& ground_truth, SlamResult& result, double seconds) {
+  const SessionFolder& session = output.folder();
+  result.times.total = result.seconds_before + seconds;
+  const std::optional<RunEvaluation> evaluation = evaluate(result, ground_truth);
+  write_text_atomically(session.file("metrics.json"),
+                        metrics_document(result, evaluation).dump(2) + "\n");
+  write_text_atomically(
+      session.file("report.html"),
+      make_run_report(recording, request.config, result, ground_truth, evaluation, session));
+  log_summary(result, evaluation);
+  output.complete(manifest_of(session, recording, result));
+  spdlog::info("report: {}", (request.out / "report.html").string());
 }
 
 }  // namespace
@@ -182,8 +200,8 @@ Trajectory read_ground_truth(const fs::path& file, const Recording& recording) {
   return trajectory;
 }
 
-void run_recording(const RunRequest& request, const Context& context) {
-  const auto start = std::chrono::steady_clock::now();
+void run_recording(const RunRequest& request, Context& context) {
+  const auto start = Clock::now();
   validate_config(request.config);
   RecordingOptions reading = request.reading;
   reading.elevation_correction = request.config.recording.elevation_correction;
@@ -191,45 +209,34 @@ void run_recording(const RunRequest& request, const Context& context) {
   const Trajectory ground_truth = request.ground_truth.empty()
                                       ? recording->ground_truth()
                                       : read_ground_truth(request.ground_truth, *recording);
-  const RunFolder folder(request.out, request.resume);
-  const SessionFolder& session = folder.session();
-  const RunLog log(session.file("run.log"));
-  const RecordingInfo& info = recording->info();
-  spdlog::info("{}: {}, {} scans, {}", info.path, info.format, recording->size(),
-               info.sensor.empty() ? "sensor not stated" : info.sensor);
-  spdlog::info("stamps: {}; per-point times: {}", info.stamp_source, info.point_times);
-  for (const std::string& note : info.notes) spdlog::info("{}", note);
-
-  stop_on_signals();
-  const Progress progress = make_progress(context);
-  SlamResult result;
+  const std::string configuration = to_yaml(request.config);
+  const SessionIdentity identity{"run", GROUNDLOOP_VERSION, recording_fingerprint(*recording),
+                                 hex(checksum(configuration))};
+  SessionOutput output(request.out, identity, configuration, {request.overwrite, request.resume});
+  if (output.state() == SessionOutput::State::finished) {
+    spdlog::info("{}: the session is finished; there is nothing to resume", request.out.string());
+    return;
+  }
+  const SessionFolder& session = output.folder();
+  context.after_interruption = "run the same command with --resume to go on";
   try {
-    write_text_atomically(session.file("config.yaml"), to_yaml(request.config));
-    result = run_slam(*recording, request.config.slam, session, request.resume, progress);
-    const auto map_start = std::chrono::steady_clock::now();
+    const RunLog log(session.file("run.log"), output.state() == SessionOutput::State::resumed);
+    log_recording(*recording);
+    check_room(session.path(), recording->size());
+    stop_on_signals();
+    const Progress progress = make_progress(context);
+    SlamResult result = run_slam(*recording, request.config.slam, output, progress);
+    const auto map_start = Clock::now();
     if (request.config.map.write)
       write_map(session, result, request.config.map.voxel_size, progress);
-    result.times.map =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - map_start).count();
+    result.times.map = seconds_since(map_start);
+    end_progress();
+    finish(output, *recording, request, ground_truth, result, seconds_since(start));
   } catch (...) {
     end_progress();
-    folder.discard();
+    if (!Checkpoint(session, identity).exists()) output.discard();
     throw;
   }
-  end_progress();
-  result.times.total =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-
-  const std::optional<RunEvaluation> evaluation = evaluate(result, ground_truth);
-  write_text_atomically(session.file("metrics.json"),
-                        metrics_document(result, evaluation).dump(2) + "\n");
-  write_text_atomically(session.file("manifest.json"),
-                        manifest_document(session, *recording, result, "complete").dump(2) + "\n");
-  write_text_atomically(
-      session.file("report.html"),
-      make_run_report(*recording, request.config, result, ground_truth, evaluation, session));
-  log_summary(result, evaluation);
-  spdlog::info("report: {}", session.file("report.html").string());
 }
 
 }  // namespace groundloop::apps

@@ -16,12 +16,14 @@ struct RunRequest {
   RecordingOptions reading;
   std::string ground_truth;  ///< file; empty: what came with the recording
   Config config;
+  bool overwrite = false;
   bool resume = false;
 };
 
 /// Runs all stages and leaves a session in `out`; prints what was found and the errors before and
-/// after to standard error.
-void run_recording(const RunRequest& request, const Context& context);
+/// after to standard error. What the end needs is checked at the start: ground truth that can be
+/// read and fits the scans, a folder that can be written, room on the disk.
+void run_recording(const RunRequest& request, Context& context);
 
 /// Ground truth from a file: 8 columns are TUM, 12 are KITTI, one row a scan. Throws InputError.
 [[nodiscard]] Trajectory read_ground_truth(const std::filesystem::path& file,

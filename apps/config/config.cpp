@@ -11,25 +11,10 @@
 #include "apps/config/presets.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/spelling.hpp"
 
 namespace groundloop::apps {
 namespace {
-
-// Number of single-character edits between two words.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
 
 // A visitor that sets one field from text.
 struct Setter {
@@ -132,11 +117,7 @@ void set_option(Config& config, const std::string& key, const std::string& value
   });
   if (found) return;
   const std::vector<std::string> keys = all_keys(config);
-  const auto nearest =
-      std::min_element(keys.begin(), keys.end(), [&](const std::string& a, const std::string& b) {
-        return edit_distance(a, key) < edit_distance(b, key);
-      });
-  throw InputError(place + ": unknown key '" + key + "'; did you mean '" + *nearest +
+  throw InputError(place + ": unknown key '" + key + "'; did you mean '" + nearest_word(key, keys) +
                    "'? 'groundloop config' lists all keys");
 }
 

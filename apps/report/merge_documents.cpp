@@ -1,24 +1,18 @@
 #include "apps/report/merge_documents.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include <spdlog/spdlog.h>
 
 #include "apps/report/session_documents.hpp"
 #include "apps/report/trajectory_evaluation_json.hpp"
-#include "frontend/core/files.hpp"
+#include "frontend/core/error.hpp"
 
 namespace groundloop::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string hex(std::uint64_t value) {
-  std::array<char, 20> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%016llx", static_cast<unsigned long long>(value));
-  return buffer.data();
-}
 
 Json ape(const std::optional<TrajectoryEvaluation>& e) {
   return e ? to_json(*e, TrajectoryEvaluationOptions{}).at("ape") : Json();
@@ -147,8 +141,15 @@ MergeEvaluation evaluate_merge(const MergeResult& result, std::vector<Trajectory
     const Trajectory& truth = evaluation.ground_truth[p];
     whole = whole && (part.frame != result.parts.front().frame || !truth.empty());
     if (truth.empty()) continue;
-    evaluation.odometry[p] = evaluate_trajectory(part.odometry, truth);
-    evaluation.optimised[p] = evaluate_trajectory(part.trajectory, truth);
+    try {
+      evaluation.odometry[p] = evaluate_trajectory(part.odometry, truth);
+      evaluation.optimised[p] = evaluate_trajectory(part.trajectory, truth);
+    } catch (const InputError& e) {
+      spdlog::warn("'{}': no errors against ground truth: {}", part.source->name, e.what());
+      evaluation.odometry[p].reset();
+      whole = false;
+      continue;
+    }
     if (part.frame == result.parts.front().frame)
       append_pairs(part, truth, *evaluation.optimised[p], all, all_truths);
   }
@@ -167,60 +168,33 @@ MergeEvaluation evaluate_merge(const MergeResult& result, std::vector<Trajectory
   return evaluation;
 }
 
-Json merge_manifest(const SessionFolder& folder, const MergeResult& result,
-                    const std::vector<StoredSession>& sessions,
-                    const std::vector<LeftOut>& left_out) {
-  Json parts = Json::array();
-  std::size_t scans = 0;
-  int maps = 0;
-  for (std::size_t p = 0; p < result.parts.size(); ++p) {
-    const MergedPart& part = result.parts[p];
-    parts.push_back({{"name", part.source->name},
-                     {"input", sessions[part.session].folder.path().string()},
-                     {"recording", part.source->recording},
-                     {"sensor", part.source->sensor},
-                     {"scans", part.trajectory.size()},
-                     {"first_scan", part.first_scan},
-                     {"local_maps", part.maps.size()},
-                     {"first_map", part.first_map},
-                     {"frame", name_of(result, part.frame)},
-                     {"connected", std::count_if(result.parts.begin(), result.parts.end(),
-                                                 [&](const MergedPart& other) {
-                                                   return other.frame == part.frame;
-                                                 }) > 1},
-                     {"fixed", part.fixed}});
-    scans += part.trajectory.size();
-    maps += static_cast<int>(part.maps.size());
+Manifest merge_manifest(const SessionFolder& folder, const MergeResult& result,
+                        const std::vector<StoredSession>& sessions,
+                        const std::vector<ManifestLeftOut>& left_out) {
+  Manifest manifest;
+  for (const MergedPart& part : result.parts) {
+    ManifestPart entry;
+    entry.name = part.source->name;
+    entry.input = sessions[part.session].folder.path().string();
+    entry.recording = part.source->recording;
+    entry.sensor = part.source->sensor;
+    entry.scans = part.trajectory.size();
+    entry.first_scan = part.first_scan;
+    entry.local_maps = part.maps.size();
+    entry.first_map = static_cast<std::size_t>(part.first_map);
+    entry.frame = name_of(result, part.frame);
+    entry.connected =
+        std::count_if(result.parts.begin(), result.parts.end(),
+                      [&](const MergedPart& other) { return other.frame == part.frame; }) > 1;
+    entry.fixed = part.fixed;
+    manifest.scans += entry.scans;
+    manifest.local_maps += entry.local_maps;
+    manifest.parts.push_back(std::move(entry));
   }
-  Json left = Json::array();
-  for (const LeftOut& l : left_out) left.push_back({{"input", l.path}, {"reason", l.reason}});
-  Json checksums;
-  for (const char* name :
-       {"config.yaml", "odometry.tum", "trajectory.tum", "trajectory.kitti", "closures.csv",
-        "pose_graph.g2o", "local_maps.csv", "loop_database.bin", "map.pcd"}) {
-    if (std::filesystem::exists(folder.file(name)))
-      checksums[name] = hex(fnv1a_of_file(folder.file(name)));
-  }
-  for (int m = 0; m < maps; ++m) {
-    const std::filesystem::path file = folder.local_map(m);
-    checksums["local_maps/" + file.filename().string()] = hex(fnv1a_of_file(file));
-  }
-  return {{"groundloop", GROUNDLOOP_VERSION},
-          {"session_format", 1},
-          {"name", folder.name()},
-          {"stage", "complete"},
-          {"scans", scans},
-          {"local_maps", maps},
-          {"seed", 0},
-          {"frames",
-           "poses of recordings of one frame are in the world of the recording that names it; ids "
-           "of maps and vertices are offset by first_map, rows of trajectories by first_scan; the "
-           "map holds the first frame"},
-          {"sessions", parts},
-          {"left_out", left},
-          {"connections", result.notes},
-          {"checksum", "FNV-1a, 64 bits"},
-          {"checksums", checksums}};
+  manifest.left_out = left_out;
+  manifest.connections = result.notes;
+  manifest.checksums = checksums_of(folder, manifest.local_maps);
+  return manifest;
 }
 
 Json merge_metrics(const MergeResult& result, const MergeEvaluation& evaluation, double map_seconds,

@@ -10,13 +10,9 @@
 #include "apps/config/config.hpp"
 #include "backend/evaluation/trajectory_evaluation.hpp"
 #include "backend/merging/session_merge.hpp"
+#include "backend/session/manifest.hpp"
 
 namespace groundloop::apps {
-
-/// A session that was not merged, and why.
-struct LeftOut {
-  std::string path, reason;
-};
 
 /// Errors against ground truth, one entry a recording; empty where there is none.
 struct MergeEvaluation {
@@ -36,16 +32,17 @@ struct MergeEvaluation {
 [[nodiscard]] MergeEvaluation evaluate_merge(const MergeResult& result,
                                              std::vector<Trajectory> ground_truth);
 
-[[nodiscard]] nlohmann::ordered_json merge_manifest(const SessionFolder& folder,
-                                                    const MergeResult& result,
-                                                    const std::vector<StoredSession>& sessions,
-                                                    const std::vector<LeftOut>& left_out);
+/// The manifest of a complete merge, with checksums of the files in `folder`.
+[[nodiscard]] Manifest merge_manifest(const SessionFolder& folder, const MergeResult& result,
+                                      const std::vector<StoredSession>& sessions,
+                                      const std::vector<ManifestLeftOut>& left_out);
 
 [[nodiscard]] nlohmann::ordered_json merge_metrics(const MergeResult& result,
                                                    const MergeEvaluation& evaluation,
                                                    double map_seconds, double total_seconds);
 
 [[nodiscard]] std::string merge_report(const MergeResult& result, const MergeEvaluation& evaluation,
-                                       const std::vector<LeftOut>& left_out, const Config& config);
+                                       const std::vector<ManifestLeftOut>& left_out,
+                                       const Config& config);
 
 }  // namespace groundloop::apps

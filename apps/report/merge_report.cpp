@@ -79,7 +79,7 @@ ReportClosure report_closure(const MergeResult& result, const ClosureRecord& c) 
 }  // namespace
 
 std::string merge_report(const MergeResult& result, const MergeEvaluation& evaluation,
-                         const std::vector<LeftOut>& left_out, const Config& config) {
+                         const std::vector<ManifestLeftOut>& left_out, const Config& config) {
   ReportInput input;
   input.title = "Merged sessions";
   input.facts = {{"groundloop", GROUNDLOOP_VERSION},
@@ -88,7 +88,8 @@ std::string merge_report(const MergeResult& result, const MergeEvaluation& evalu
     input.facts.emplace_back("joint APE", fixed(evaluation.joint->ape.translation_m.rmse, 3) +
                                               " m rmse, one SE(3) alignment for all sessions");
   for (const std::string& note : result.notes) input.facts.emplace_back("connection", note);
-  for (const LeftOut& l : left_out) input.facts.emplace_back("left out", l.path + ": " + l.reason);
+  for (const ManifestLeftOut& l : left_out)
+    input.facts.emplace_back("left out", l.input + ": " + l.reason);
   const int first = result.parts.front().frame;
   for (const MergedPart& part : result.parts) {
     if (part.frame == first) {

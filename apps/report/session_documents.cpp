@@ -1,24 +1,15 @@
 #include "apps/report/session_documents.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include <sys/resource.h>
 
 #include "apps/report/trajectory_evaluation_json.hpp"
-#include "frontend/core/files.hpp"
 
 namespace groundloop::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string hex(std::uint64_t value) {
-  std::array<char, 20> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%016llx", static_cast<unsigned long long>(value));
-  return buffer.data();
-}
 
 Json summary_document(const OptimizationSummary& s) {
   return {{"cost_before", s.cost_before}, {"cost_after", s.cost_after},
@@ -61,35 +52,6 @@ Json recording_document(const RecordingInfo& info, std::size_t scans) {
           {"duplicates", info.duplicates},
           {"gaps", info.gaps},
           {"dropped_scans", info.dropped_scans}};
-}
-
-Json manifest_document(const SessionFolder& folder, const Recording& recording,
-                       const SlamResult& result, const std::string& stage) {
-  Json checksums;
-  for (const char* name :
-       {"config.yaml", "odometry.tum", "trajectory.tum", "trajectory.kitti", "closures.csv",
-        "pose_graph.g2o", "local_maps.csv", "loop_database.bin", "map.pcd"}) {
-    if (std::filesystem::exists(folder.file(name)))
-      checksums[name] = hex(fnv1a_of_file(folder.file(name)));
-  }
-  for (const LocalMapRecord& map : result.maps) {
-    const std::filesystem::path file = folder.local_map(map.map);
-    checksums["local_maps/" + file.filename().string()] = hex(fnv1a_of_file(file));
-  }
-  return {{"groundloop", GROUNDLOOP_VERSION},
-          {"session_format", 1},
-          {"stage", stage},
-          {"recording", recording_document(recording.info(), recording.size())},
-          {"sensor", recording.info().sensor},
-          {"scans", result.odometry.size()},
-          {"local_maps", result.maps.size()},
-          {"seed", 0},
-          {"stamps",
-           "the instant of a pose is that of its scan's stamp, the start of the scan unless the "
-           "format says "
-           "otherwise"},
-          {"checksum", "FNV-1a, 64 bits"},
-          {"checksums", checksums}};
 }
 
 Json metrics_document(const SlamResult& result, const std::optional<RunEvaluation>& evaluation) {

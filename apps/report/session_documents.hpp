@@ -1,5 +1,4 @@
-// The documents of a session that are JSON: manifest.json and metrics.json (design: the session
-// folder).
+// metrics.json of a run, and what its manifest says of the recording (design: the session folder).
 #pragma once
 
 #include <optional>
@@ -20,12 +19,6 @@ struct RunEvaluation {
 
 [[nodiscard]] nlohmann::ordered_json recording_document(const RecordingInfo& info,
                                                         std::size_t scans);
-
-/// With checksums of the session's files, those that hold times or logs left out.
-[[nodiscard]] nlohmann::ordered_json manifest_document(const SessionFolder& folder,
-                                                       const Recording& recording,
-                                                       const SlamResult& result,
-                                                       const std::string& stage);
 
 [[nodiscard]] nlohmann::ordered_json metrics_document(
     const SlamResult& result, const std::optional<RunEvaluation>& evaluation);

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
-#include <string>
-
-#include <unistd.h>
+#include <span>
 
 #include "backend/registration/voxel_pyramid.hpp"
-#include "frontend/core/error.hpp"
+#include "frontend/core/output_file.hpp"
 #include "frontend/core/pcd.hpp"
 
 namespace groundloop {
@@ -25,8 +22,8 @@ struct TilePoint {
 static_assert(sizeof(TilePoint) == 16);
 
 struct Chunk {
-  std::uint64_t begin;  // in points
-  std::uint64_t count;
+  std::uint64_t offset;  // bytes
+  std::uint64_t count;   // points
 };
 
 struct TileKey {
@@ -38,47 +35,28 @@ struct TileKey {
 // Points sorted into tiles on disk; gone with the object.
 class TileFile {
  public:
-  explicit TileFile(const std::filesystem::path& folder)
-      : path_(folder / (".tiles." + std::to_string(::getpid()) + ".tmp")),
-        stream_(path_, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc) {
-    if (!stream_) throw InputError(folder.string() + ": cannot be written; choose another folder");
-  }
-  ~TileFile() {
-    stream_.close();
-    std::error_code error;
-    std::filesystem::remove(path_, error);
-  }
-  TileFile(const TileFile&) = delete;
-  TileFile& operator=(const TileFile&) = delete;
+  explicit TileFile(const std::filesystem::path& folder) : file_(folder) {}
 
   void append(const TileKey& tile, const std::vector<TilePoint>& points) {
-    stream_.write(reinterpret_cast<const char*>(points.data()),
-                  static_cast<std::streamsize>(points.size() * sizeof(TilePoint)));
-    if (!stream_) throw InputError(path_.string() + ": cannot be written; is the disk full?");
-    chunks_[tile].push_back({size_, points.size()});
-    size_ += points.size();
+    const std::uint64_t at = file_.append(std::as_bytes(std::span(points)));
+    chunks_[tile].push_back({at, points.size()});
   }
 
   [[nodiscard]] const std::map<TileKey, std::vector<Chunk>>& chunks() const { return chunks_; }
 
-  [[nodiscard]] std::vector<TilePoint> read(const std::vector<Chunk>& chunks) {
+  [[nodiscard]] std::vector<TilePoint> read(const std::vector<Chunk>& chunks) const {
     std::vector<TilePoint> points;
     for (const Chunk& chunk : chunks) {
       const std::size_t at = points.size();
       points.resize(at + chunk.count);
-      stream_.seekg(static_cast<std::streamoff>(chunk.begin * sizeof(TilePoint)));
-      stream_.read(reinterpret_cast<char*>(points.data() + at),
-                   static_cast<std::streamsize>(chunk.count * sizeof(TilePoint)));
-      if (!stream_) throw InputError(path_.string() + ": cannot be read back");
+      file_.read(chunk.offset, std::as_writable_bytes(std::span(points).subspan(at)));
     }
     return points;
   }
 
  private:
-  std::filesystem::path path_;
-  std::fstream stream_;
+  ScratchFile file_;
   std::map<TileKey, std::vector<Chunk>> chunks_;
-  std::uint64_t size_ = 0;
 };
 
 // A whole number of voxels, so that no voxel lies in two tiles.

@@ -12,6 +12,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop {
 namespace {
@@ -74,13 +75,12 @@ class FloatWriter : public PointCloudWriter {
   }
 
   void finish() override {
-    file_.stream().seekp(0);
-    file_.write(header_(count_, with_session_));
+    file_.write_at_start(header_(count_, with_session_));
     file_.commit();
   }
 
  private:
-  AtomicFile file_;
+  OutputFile file_;
   Header header_;
   bool with_session_;
   std::vector<char> bytes_;
@@ -121,8 +121,7 @@ class LasWriter : public PointCloudWriter {
 
   void finish() override {
     const std::vector<char> header = las_header();
-    file_.stream().seekp(0);
-    file_.write(header.data(), header.size());
+    file_.write_at_start({header.data(), header.size()});
     file_.commit();
   }
 
@@ -175,7 +174,7 @@ class LasWriter : public PointCloudWriter {
     return h;
   }
 
-  AtomicFile file_;
+  OutputFile file_;
   std::string name_;
   Eigen::Vector3d min_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d max_ = -min_;

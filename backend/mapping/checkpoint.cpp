@@ -1,25 +1,28 @@
 #include "backend/mapping/checkpoint.hpp"
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
 
 #include "frontend/core/binary_io.hpp"
+#include "frontend/core/checksum.hpp"
+#include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop {
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x33304b4345484347ULL;  // "GCHECK03"
-constexpr const char* kFile = "checkpoint.bin";
-constexpr const char* kDatabase = "checkpoint_database.bin";
+constexpr std::uint64_t kMagic = 0x34304b4345484347ULL;  // "GCHECK04"
 
-// A closure as it goes into the file; the session's name is the folder's.
+// A closure as it goes into the file; a session of one recording names none.
 struct StoredClosure {
-  int reference_map, query_map, source, matches, inliers, status, has_overlap, has_rmse;
-  double overlap, rmse, weight;
+  int reference_map, query_map, source, matches, inliers, status, has_overlap, has_rmse,
+      has_agreement;
+  double overlap, rmse, agreement, weight;
   Pose T_query_reference, initial_T_query_reference;
   Matrix6d information;
 };
@@ -36,8 +39,10 @@ StoredClosure store(const ClosureRecord& c) {
   s.status = static_cast<int>(c.status);
   s.has_overlap = c.overlap.has_value() ? 1 : 0;
   s.has_rmse = c.rmse.has_value() ? 1 : 0;
+  s.has_agreement = c.agreement.has_value() ? 1 : 0;
   s.overlap = c.overlap.value_or(0.0);
   s.rmse = c.rmse.value_or(0.0);
+  s.agreement = c.agreement.value_or(0.0);
   s.weight = c.weight;
   s.T_query_reference = c.T_query_reference;
   s.initial_T_query_reference = c.initial_T_query_reference;
@@ -45,9 +50,8 @@ StoredClosure store(const ClosureRecord& c) {
   return s;
 }
 
-ClosureRecord restore(const StoredClosure& s, const std::string& session) {
+ClosureRecord restore(const StoredClosure& s) {
   ClosureRecord c;
-  c.reference_session = c.query_session = session;
   c.reference_map = s.reference_map;
   c.query_map = s.query_map;
   c.source = static_cast<ClosureSource>(s.source);
@@ -56,6 +60,7 @@ ClosureRecord restore(const StoredClosure& s, const std::string& session) {
   c.status = static_cast<ClosureStatus>(s.status);
   if (s.has_overlap != 0) c.overlap = s.overlap;
   if (s.has_rmse != 0) c.rmse = s.rmse;
+  if (s.has_agreement != 0) c.agreement = s.agreement;
   c.weight = s.weight;
   c.T_query_reference = s.T_query_reference;
   c.initial_T_query_reference = s.initial_T_query_reference;
@@ -63,65 +68,78 @@ ClosureRecord restore(const StoredClosure& s, const std::string& session) {
   return c;
 }
 
+std::uint64_t identity_sum(const SessionIdentity& identity) {
+  Checksum sum;
+  for (const std::string* text :
+       {&identity.command, &identity.version, &identity.input, &identity.configuration})
+    sum.add(*text).add_value('\0');
+  return sum.value();
+}
+
 }  // namespace
 
-bool Checkpoint::exists() const { return fs::exists(folder_.file(kFile)); }
+Checkpoint::Checkpoint(const SessionFolder& folder, const SessionIdentity& identity)
+    : file_(folder.file("checkpoint.bin")), identity_(identity_sum(identity)) {}
 
-void Checkpoint::save(const Odometry& odometry, const LocalMapBuilder& builder,
-                      const ClosureFinder& finder, const Trajectory& trajectory) const {
+bool Checkpoint::exists() const {
+  std::error_code error;
+  return fs::exists(file_, error);
+}
+
+void Checkpoint::save(const RunState& state) const {
   std::ostringstream body;
-  odometry.save(body);
-  builder.save(body);
-  put_all(body, trajectory);
-  put_all(body, finder.maps());
+  put(body, identity_);
+  put(body, state.times);
+  put(body, state.scans_finished);
+  state.odometry.save(body);
+  state.builder.save(body);
+  put_all(body, state.trajectory);
+  put_all(body, state.finder.maps());
   std::vector<StoredClosure> closures;
-  for (const ClosureRecord& c : finder.closures()) closures.push_back(store(c));
+  for (const ClosureRecord& c : state.finder.closures()) closures.push_back(store(c));
   put_all(body, closures);
-  const std::string bytes = body.str();
-  finder.database().save(folder_.file(kDatabase));
-  AtomicFile out(folder_.file(kFile));
-  put(out.stream(), kMagic);
-  put(out.stream(), fnv1a(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+  put_all(body, state.finder.database().bytes());
+  const std::string_view bytes = body.view();
+  const std::array<std::uint64_t, 2> head{kMagic, checksum(bytes)};
+  OutputFile out(file_);
+  out.write(head.data(), sizeof head);
   out.write(bytes);
   out.commit();
 }
 
-void Checkpoint::load(Odometry& odometry, LocalMapBuilder& builder, ClosureFinder& finder,
-                      Trajectory& trajectory, const LoopClosureOptions& options) const {
-  const fs::path file = folder_.file(kFile);
-  if (!exists())
-    throw InputError(file.string() +
-                     ": there is no interrupted run to resume; run without --resume");
-  const std::string text = read_text(file);
+void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const {
+  const std::string text = read_text(file_);
   std::istringstream in(text);
-  std::uint64_t magic = 0, checksum = 0;
-  get(in, magic);
-  get(in, checksum);
-  constexpr std::size_t kHeader = 2 * sizeof(std::uint64_t);
-  if (!in || magic != kMagic ||
-      checksum != fnv1a(std::as_bytes(std::span(text.data() + kHeader, text.size() - kHeader)))) {
-    throw InputError(
-        file.string() +
-        ": the checkpoint is damaged or of another version; run again without --resume");
+  std::array<std::uint64_t, 2> head{};
+  get(in, head);
+  if (!in || head[0] != kMagic || head[1] != checksum(std::string_view(text).substr(sizeof head))) {
+    throw InputError(file_.string() +
+                     ": the checkpoint is damaged or of another version; run again with "
+                     "--overwrite");
   }
-  odometry.load(in);
-  builder.load(in);
-  get_all(in, trajectory);
+  std::uint64_t identity = 0;
+  get(in, identity);
+  if (identity != identity_) {
+    throw InputError(file_.string() +
+                     ": the checkpoint belongs to another recording or configuration; run again "
+                     "with --overwrite");
+  }
+  get(in, state.times);
+  get(in, state.scans_finished);
+  state.odometry.load(in);
+  state.builder.load(in);
+  get_all(in, state.trajectory);
   std::vector<LocalMapRecord> maps;
   get_all(in, maps);
   std::vector<StoredClosure> stored;
   get_all(in, stored);
   std::vector<ClosureRecord> closures;
   closures.reserve(stored.size());
-  for (const StoredClosure& s : stored) closures.push_back(restore(s, SessionFolder::kOwnName));
-  finder.restore(LoopDatabase::load(folder_.file(kDatabase), options), std::move(maps),
-                 std::move(closures));
-}
-
-void Checkpoint::remove() const {
-  std::error_code error;
-  fs::remove(folder_.file(kFile), error);
-  fs::remove(folder_.file(kDatabase), error);
+  for (const StoredClosure& s : stored) closures.push_back(restore(s));
+  std::vector<std::byte> database;
+  get_all(in, database);
+  state.finder.restore(LoopDatabase::from_bytes(database, file_.string(), options), std::move(maps),
+                       std::move(closures));
 }
 
 }  // namespace groundloop

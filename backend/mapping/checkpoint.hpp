@@ -1,30 +1,29 @@
-// What an interrupted run leaves so that --resume goes on as if nothing had happened: the state of
-// odometry, the unfinished local map, and what was found so far. One versioned, checksummed file,
-// and the loop database beside it.
+// What a run leaves on the disk while it goes on, so that --resume goes on as if nothing had
+// happened, whatever ended the run: the state of odometry, the unfinished local map, and what was
+// found so far. One versioned, checksummed file that says which recording and configuration it
+// belongs to.
 #pragma once
 
-#include "backend/mapping/closure_finder.hpp"
+#include "backend/mapping/run_state.hpp"
+#include "backend/session/manifest.hpp"
 #include "backend/session/session.hpp"
-#include "frontend/core/trajectory.hpp"
-#include "frontend/local_maps/local_map_builder.hpp"
-#include "frontend/odometry/odometry.hpp"
 
 namespace groundloop {
 
 class Checkpoint {
  public:
-  explicit Checkpoint(const SessionFolder& folder) : folder_(folder) {}
+  Checkpoint(const SessionFolder& folder, const SessionIdentity& identity);
 
   [[nodiscard]] bool exists() const;
-  void save(const Odometry& odometry, const LocalMapBuilder& builder, const ClosureFinder& finder,
-            const Trajectory& trajectory) const;
-  /// Throws InputError where there is no checkpoint, or where it is damaged.
-  void load(Odometry& odometry, LocalMapBuilder& builder, ClosureFinder& finder,
-            Trajectory& trajectory, const LoopClosureOptions& options) const;
-  void remove() const;
+  /// Durable when it returns; the checkpoint before it stays until then.
+  void save(const RunState& state) const;
+  /// Puts the state of the checkpoint into one that was made with the same options. Throws
+  /// InputError where the checkpoint is damaged or of another recording, configuration or version.
+  void load(RunState& state, const LoopClosureOptions& options) const;
 
  private:
-  SessionFolder folder_;
+  std::filesystem::path file_;
+  std::uint64_t identity_;
 };
 
 }  // namespace groundloop

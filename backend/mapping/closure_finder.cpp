@@ -60,8 +60,7 @@ ClosureFinder::ClosureFinder(const SessionFolder& folder, const LoopClosureOptio
                              const ClosureOptions& closures,
                              const VerificationOptions& verification,
                              const RegistrationOptions& registration)
-    : session_(folder.name()),
-      loop_closure_(loop_closure),
+    : loop_closure_(loop_closure),
       options_(closures),
       verification_(verification),
       registration_(registration),
@@ -83,7 +82,6 @@ ClosureRecord ClosureFinder::verify(const ClosureCandidate& candidate) {
   ClosureRecord record =
       verify_candidate(candidate, store_, candidate.query.map, store_, candidate.reference.map,
                        options_, verification_, registration_);
-  record.reference_session = record.query_session = session_;
   verification_seconds_ +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return record;

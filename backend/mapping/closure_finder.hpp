@@ -33,7 +33,8 @@ struct ClosureOptions {
 };
 
 /// The closure a candidate becomes, verified and refined where it has inliers enough; the sessions'
-/// names are the caller's. The maps are those of the given ids in the stores.
+/// names are the caller's, and empty in a session of one recording. The maps are those of the given
+/// ids in the stores.
 [[nodiscard]] ClosureRecord verify_candidate(const ClosureCandidate& candidate, MapStore& queries,
                                              int query_id, MapStore& references, int reference_id,
                                              const ClosureOptions& closures,
@@ -64,7 +65,6 @@ class ClosureFinder {
  private:
   ClosureRecord verify(const ClosureCandidate& candidate);
 
-  std::string session_;
   LoopClosureOptions loop_closure_;
   ClosureOptions options_;
   VerificationOptions verification_;

@@ -10,7 +10,17 @@ MappingThread::MappingThread(LocalMapBuilder& builder, ClosureFinder& finder)
 MappingThread::~MappingThread() { stop(); }
 
 void MappingThread::add(Points points, const Pose& T_world_scan) {
+  {
+    const std::lock_guard lock(mutex_);
+    ++pending_;
+  }
   if (!queue_.push({std::move(points), T_world_scan})) finish();
+}
+
+void MappingThread::drain() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [&] { return pending_ == 0 || error_; });
+  if (error_) std::rethrow_exception(error_);
 }
 
 void MappingThread::finish() {
@@ -31,9 +41,14 @@ void MappingThread::run() {
       building_seconds_ +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (map) finder_.add(*map);
+      const std::lock_guard lock(mutex_);
+      --pending_;
+      idle_.notify_all();
     }
   } catch (...) {
+    const std::lock_guard lock(mutex_);
     error_ = std::current_exception();
+    idle_.notify_all();
     queue_.close();
   }
 }

@@ -1,7 +1,10 @@
 // The thread that turns registered scans into local maps and closures while odometry goes on.
 #pragma once
 
+#include <condition_variable>
+#include <cstddef>
 #include <exception>
+#include <mutex>
 #include <thread>
 
 #include "backend/mapping/closure_finder.hpp"
@@ -20,7 +23,10 @@ class MappingThread {
 
   /// Hands a scan over; waits while the thread is too far behind. Throws what the thread threw.
   void add(Points points, const Pose& T_world_scan);
-  /// Waits until all scans are mapped. Throws what the thread threw.
+  /// Waits until all scans that were added are mapped; more may follow. Throws what the thread
+  /// threw, every time once it has: local maps are missing from then on.
+  void drain();
+  /// Waits until all scans are mapped; none follow. Throws what the thread threw.
   void finish();
   /// Busy seconds of building local maps.
   [[nodiscard]] double building_seconds() const { return building_seconds_; }
@@ -36,6 +42,9 @@ class MappingThread {
   LocalMapBuilder& builder_;
   ClosureFinder& finder_;
   BoundedQueue<Item> queue_{16};
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  std::size_t pending_ = 0;  // added and not yet mapped
   std::exception_ptr error_;
   double building_seconds_ = 0.0;
   std::thread thread_;

@@ -71,7 +71,6 @@ class Planter {
 
   void add(int reference, int query, const Pose& T_query_reference) {
     ClosureRecord record;
-    record.reference_session = record.query_session = SessionFolder::kOwnName;
     record.reference_map = reference;
     record.query_map = query;
     record.status = ClosureStatus::accepted;

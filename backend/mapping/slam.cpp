@@ -1,72 +1,11 @@
 #include "backend/mapping/slam.hpp"
 
-#include <chrono>
-
 #include "backend/graph/g2o_file.hpp"
-#include "backend/mapping/checkpoint.hpp"
-#include "backend/mapping/mapping_thread.hpp"
-#include "frontend/core/error.hpp"
-#include "frontend/recordings/read_ahead.hpp"
+#include "backend/mapping/scan_processing.hpp"
+#include "frontend/core/clock.hpp"
 
 namespace groundloop {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Everything that grows while scans come in.
-struct State {
-  State(const SlamOptions& options, const SessionFolder& folder)
-      : odometry(options.odometry),
-        builder(options.local_maps),
-        finder(folder, options.loop_closure, options.closures, options.verification,
-               options.registration) {}
-  Odometry odometry;
-  LocalMapBuilder builder;
-  ClosureFinder finder;
-  Trajectory trajectory;
-};
-
-std::string scan_name(const Recording& recording, std::size_t index) {
-  return recording.info().path + ": scan " + std::to_string(index);
-}
-
-// Registers all scans that are left. Returns busy seconds by stage.
-StageTimes process_scans(Recording& recording, State& state, const Progress& progress) {
-  StageTimes times;
-  const std::size_t total = recording.size();
-  if (state.trajectory.empty() && total > 1)
-    state.odometry.start(recording.read(0), recording.read(1));
-  MappingThread mapping(state.builder, state.finder);
-  ReadAhead reader(recording, state.trajectory.size(), total - state.trajectory.size());
-  while (true) {
-    if (progress) progress("odometry", state.trajectory.size(), total);
-    std::optional<Scan> scan = reader.next();
-    if (!scan) break;
-    RegisteredScan registered =
-        state.odometry.add(*scan, scan_name(recording, state.trajectory.size()));
-    times.odometry += registered.seconds;
-    state.trajectory.push_back({scan->stamp, registered.T_world_scan});
-    mapping.add(std::move(registered.points), registered.T_world_scan);
-  }
-  mapping.finish();
-  times.local_maps = mapping.building_seconds();
-  times.read = reader.seconds_reading();
-  return times;
-}
-
-void add_closure_times(const ClosureFinder& finder, StageTimes& times) {
-  const LoopClosureTimes& t = finder.times();
-  times.ground_alignment += t.ground_alignment;
-  times.density_image += t.density_image;
-  times.features += t.features;
-  times.matching += t.matching;
-  times.consensus += t.consensus;
-  times.verification += finder.verification_seconds();
-}
 
 void write_results(const SessionFolder& folder, const SlamResult& result,
                    const ClosureFinder& finder) {
@@ -81,31 +20,25 @@ void write_results(const SessionFolder& folder, const SlamResult& result,
 
 }  // namespace
 
-SlamResult run_slam(Recording& recording, const SlamOptions& options, const SessionFolder& folder,
-                    bool resume, const Progress& progress) {
+SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOutput& output,
+                    const Progress& progress) {
   const auto start = Clock::now();
-  State state(options, folder);
-  Checkpoint checkpoint(folder);
-  if (resume)
-    checkpoint.load(state.odometry, state.builder, state.finder, state.trajectory,
-                    options.loop_closure);
+  const SessionFolder& folder = output.folder();
+  RunState state{Odometry(options.odometry),
+                 LocalMapBuilder(options.local_maps),
+                 ClosureFinder(folder, options.loop_closure, options.closures, options.verification,
+                               options.registration),
+                 {},
+                 {}};
+  const Checkpoint checkpoint(folder, output.identity());
+  if (output.state() == SessionOutput::State::resumed && checkpoint.exists())
+    checkpoint.load(state, options.loop_closure);
   SlamResult result;
-  try {
-    result.times = process_scans(recording, state, progress);
-  } catch (const Interrupted&) {
-    checkpoint.save(state.odometry, state.builder, state.finder, state.trajectory);
-    throw;
-  } catch (const InputError&) {
-    // A scan that cannot be used, far into a recording: once it is mended, --resume goes on from
-    // here.
-    if (!state.finder.maps().empty()) {
-      checkpoint.save(state.odometry, state.builder, state.finder, state.trajectory);
-    }
-    throw;
-  }
-  if (std::optional<LocalMap> last = state.builder.finish()) state.finder.add(*last);
-  add_closure_times(state.finder, result.times);
+  result.seconds_before = state.times.total;
+  process_scans(recording, state, checkpoint, options.keeping.checkpoint_seconds, progress);
+  output.reached(SessionStage::odometry);
 
+  result.times = state.times;
   result.odometry = std::move(state.trajectory);
   result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
@@ -124,8 +57,7 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, const Sess
   for (std::size_t m = 0; m < result.maps.size(); ++m)
     result.maps[m].T_world_map = result.solution.T_world_map[m];
   write_results(folder, result, state.finder);
-  checkpoint.remove();
-  result.times.total = seconds_since(start);
+  result.times.total = result.seconds_before + seconds_since(start);
   return result;
 }
 

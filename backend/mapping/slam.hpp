@@ -4,14 +4,13 @@
 // poses, descriptors and a few maps, never the recording.
 #pragma once
 
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include "backend/mapping/closure_finder.hpp"
 #include "backend/mapping/planted_closures.hpp"
 #include "backend/mapping/session_solver.hpp"
-#include "backend/session/session.hpp"
+#include "backend/mapping/stage_times.hpp"
+#include "backend/session/session_output.hpp"
 #include "frontend/core/progress.hpp"
 #include "frontend/local_maps/local_map_builder.hpp"
 #include "frontend/odometry/odometry.hpp"
@@ -26,7 +25,20 @@ namespace groundloop {
   return options;
 }
 
+/// How a session is kept while it is made.
+struct KeepingOptions {
+  double checkpoint_seconds = 20.0;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("checkpoint_seconds", self.checkpoint_seconds, Range{0.0, 3600.0}, "s",
+          "clock between two checkpoints while scans come in: what a killed run repeats, at most; "
+          "longer apart where writing one takes more than a twentieth of the time");
+  }
+};
+
 struct SlamOptions {
+  KeepingOptions keeping;
   OdometryOptions odometry;
   LocalMapOptions local_maps;
   LoopClosureOptions loop_closure;
@@ -41,13 +53,6 @@ struct SlamOptions {
   PlantedClosureOptions planted_closures;
 };
 
-/// Busy seconds by stage, and the clock.
-struct StageTimes {
-  double read = 0, odometry = 0, local_maps = 0, ground_alignment = 0, density_image = 0,
-         features = 0, matching = 0, consensus = 0, verification = 0, levelling = 0,
-         optimisation = 0, map_quality = 0, map = 0, total = 0;
-};
-
 struct SlamResult {
   Trajectory odometry;
   std::size_t predicted_scans = 0;  ///< whose view was blocked
@@ -55,13 +60,15 @@ struct SlamResult {
   std::vector<LocalMapRecord> maps;  ///< T_world_map optimised
   std::vector<ClosureRecord> closures;
   StageTimes times;
+  double seconds_before = 0.0;  ///< of clock, in earlier calls that a resumed session goes on from
 };
 
 /// Runs all stages and writes odometry, trajectories, closures, graph, local maps and loop database
-/// to `folder`. With `resume`, goes on from the checkpoint of an interrupted run. Where `progress`
-/// throws Interrupted, a checkpoint is written before the exception travels on.
+/// to the output's folder. Goes on from the checkpoint of a resumed session. Checkpoints are
+/// written while scans come in, once all are registered, and before an exception travels on that
+/// leaves something to resume: Interrupted, thrown by `progress`, and InputError of a scan that
+/// cannot be used.
 [[nodiscard]] SlamResult run_slam(Recording& recording, const SlamOptions& options,
-                                  const SessionFolder& folder, bool resume,
-                                  const Progress& progress);
+                                  SessionOutput& output, const Progress& progress);
 
 }  // namespace groundloop

@@ -1,12 +1,13 @@
 #include "backend/merging/session_matching.hpp"
 
 #include <algorithm>
-#include <span>
 #include <string_view>
 
 #include "backend/session/table_row.hpp"
+#include "frontend/core/checksum.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "loopclosure/loop_database.hpp"
 
 namespace groundloop {
@@ -40,10 +41,6 @@ Matrix6d information_from(const TableRow& row) {
     for (int j = i; j < 6; ++j) information(i, j) = information(j, i) = row.number(field++);
   }
   return information;
-}
-
-std::uint64_t checksum(std::string_view text) {
-  return fnv1a(std::as_bytes(std::span(text.data(), text.size())));
 }
 
 }  // namespace
@@ -92,7 +89,7 @@ void write_matches(const std::filesystem::path& file, const std::vector<PairMatc
     for (const ClosureRecord& c : pair.closures)
       text += closure_row(c) + information_fields(c.information) + "\n";
   }
-  text += std::string(kEnd) + std::to_string(checksum(text)) + "\n";
+  text += std::string(kEnd) + std::to_string(checksum(std::string_view(text))) + "\n";
   write_text_atomically(file, text);
 }
 
@@ -104,8 +101,9 @@ std::vector<PairMatches> read_matches(const std::filesystem::path& file) {
   }
   const std::size_t end = text.rfind(kEnd);
   if (end == std::string::npos ||
-      text.substr(end) !=
-          std::string(kEnd) + std::to_string(checksum(text.substr(0, end))) + "\n") {
+      text.substr(end) != std::string(kEnd) +
+                              std::to_string(checksum(std::string_view(text).substr(0, end))) +
+                              "\n") {
     throw InputError(file.string() +
                      ": damaged or cut off; write it again with `groundloop match`");
   }

@@ -89,6 +89,7 @@ void match_pair(JointProblem& problem, const std::vector<PairMatches>& given, Se
     const double matching = loop_times.matching + loop_times.consensus;
     times.matching += matching;
     times.verification += seconds_since(start) - matching;
+    if (options.on_matched) options.on_matched(matches);
   }
   for (ClosureRecord& c : matches.closures) {
     ++pair.candidates;

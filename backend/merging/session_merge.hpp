@@ -4,6 +4,7 @@
 // frame, and bends nothing.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +58,8 @@ struct MergeOptions {
   OdometryInformationOptions odometry_information;
   OptimizerOptions optimizer;
   RevisitOptions revisits;
+  /// Called with the matches of a pair once they are known, so that a caller may keep them.
+  std::function<void(const PairMatches&)> on_matched;
 };
 
 /// One recording in the merged session.

@@ -6,6 +6,7 @@
 #include "backend/session/table_row.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop {
 namespace fs = std::filesystem;
@@ -50,6 +51,27 @@ fs::path SessionFolder::local_map(int id) const {
   std::array<char, 32> name{};
   std::snprintf(name.data(), name.size(), "%06d.pcd", id);
   return path_ / "local_maps" / name.data();
+}
+
+const std::vector<std::string>& SessionFolder::lasting_files() {
+  static const std::vector<std::string> names{
+      "config.yaml",    "odometry.tum",         "trajectory.tum", "trajectory.kitti",
+      "closures.csv",   "pose_graph.g2o",       "local_maps.csv", "loop_database.bin",
+      "map.pcd",        "odometry_quality.csv", "pieces.csv",     "scan_closures.csv",
+      "uncertainty.csv"};
+  return names;
+}
+
+const std::vector<std::string>& SessionFolder::other_files() {
+  static const std::vector<std::string> names{"manifest.json", "metrics.json", "report.html",
+                                              "run.log", "checkpoint.bin"};
+  return names;
+}
+
+const std::vector<std::string>& SessionFolder::part_files() {
+  static const std::vector<std::string> names{"odometry.tum", "trajectory.tum", "trajectory.kitti",
+                                              "local_maps.csv"};
+  return names;
 }
 
 const char* closure_header() { return kClosuresHeader; }

@@ -50,17 +50,22 @@ struct LocalMapRecord {
 /// Names of a session's files.
 class SessionFolder {
  public:
-  /// What a session calls itself in its own closures.csv: not its folder's name, so that the same
-  /// run gives the same bytes wherever it is kept, and a folder may be renamed. A merged session
-  /// calls its parts by their folders' names.
-  static constexpr const char* kOwnName = "session";
-
   explicit SessionFolder(std::filesystem::path path) : path_(std::move(path)) {}
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The folder's own name, by which a merge calls the session.
+  /// The folder's own name, by which a merge calls the session. No file of the session holds it, so
+  /// that the same run gives the same bytes wherever it is kept, and a folder may be renamed.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::filesystem::path local_map(int id) const;
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return path_ / name; }
+
+  /// Files that the same input, configuration and version give the same bytes of; local maps and
+  /// tables of merged parts are such files, too.
+  [[nodiscard]] static const std::vector<std::string>& lasting_files();
+  /// Every other file that a session may hold: what holds times or logs, and what an unfinished one
+  /// needs to be resumed.
+  [[nodiscard]] static const std::vector<std::string>& other_files();
+  /// The tables of one recording below sessions/NAME.
+  [[nodiscard]] static const std::vector<std::string>& part_files();
 
  private:
   std::filesystem::path path_;

@@ -1,13 +1,11 @@
 #include "backend/session/stored_session.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <span>
 
-#include <nlohmann/json.hpp>
-
 #include "backend/graph/g2o_file.hpp"
+#include "backend/session/manifest.hpp"
+#include "frontend/core/checksum.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "loopclosure/loop_database.hpp"
@@ -17,93 +15,43 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr int kSessionFormat = 1;
-
 [[noreturn]] void fail(const fs::path& file, const std::string& what) {
   throw InputError(file.string() + ": " + what);
 }
 
-Json read_manifest(const SessionFolder& folder) {
-  const fs::path file = folder.file("manifest.json");
-  if (!fs::is_directory(folder.path())) fail(folder.path(), "there is no such session");
-  if (!fs::exists(file)) {
-    fail(folder.path(),
-         "no finished session, manifest.json is missing; finish it with `groundloop run --resume`");
+// Every file that is read here, by what the manifest says of it.
+void check_files(const SessionFolder& folder, const Manifest& manifest) {
+  std::vector<std::string> needed{"odometry.tum",   "trajectory.tum", "closures.csv",
+                                  "pose_graph.g2o", "local_maps.csv", "loop_database.bin"};
+  for (std::size_t m = 0; m < manifest.local_maps; ++m) {
+    needed.push_back("local_maps/" + folder.local_map(static_cast<int>(m)).filename().string());
   }
-  Json manifest;
-  try {
-    manifest = Json::parse(read_text(file));
-    if (const int format = manifest.at("session_format").get<int>(); format != kSessionFormat) {
-      fail(file, "session format " + std::to_string(format) + ", this version reads " +
-                     std::to_string(kSessionFormat) + "; run the recording again");
-    }
-    if (manifest.at("stage").get<std::string>() != "complete")
-      fail(file, "the session is unfinished; finish it with `groundloop run --resume`");
-  } catch (const Json::exception&) {
-    fail(file, "damaged or of another version; run the recording again");
-  }
-  return manifest;
-}
-
-std::string hex(std::uint64_t value) {
-  std::array<char, 20> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%016llx", static_cast<unsigned long long>(value));
-  return buffer.data();
-}
-
-void check_files(const SessionFolder& folder, const Json& manifest) {
-  for (const auto& [name, checksum] : manifest.at("checksums").items()) {
-    const bool needed = name.rfind("local_maps/", 0) == 0 || name == "odometry.tum" ||
-                        name == "trajectory.tum" || name == "closures.csv" ||
-                        name == "pose_graph.g2o" || name == "local_maps.csv" ||
-                        name == "loop_database.bin";
-    if (!needed) continue;
-    if (!fs::exists(folder.file(name))) fail(folder.file(name), "missing; run the session again");
-    if (checksum.get<std::string>() != hex(fnv1a_of_file(folder.file(name)))) {
+  for (const std::string& name : needed) {
+    const auto sum = manifest.checksums.find(name);
+    if (sum == manifest.checksums.end())
+      fail(folder.file("manifest.json"), "has no checksum of " + name + "; make the session again");
+    if (!fs::exists(folder.file(name))) fail(folder.file(name), "missing; make the session again");
+    if (sum->second != hex(checksum_of_file(folder.file(name)))) {
       fail(folder.file(name),
-           "differs from the manifest's checksum, so it is damaged; run the session again");
+           "differs from the manifest's checksum, so it is damaged; make the session again");
     }
   }
 }
 
-struct PartSpan {
-  std::string name, recording, sensor;
-  int first_map = 0, maps = 0;
-  std::size_t first_scan = 0, scans = 0;
-};
-
-std::vector<PartSpan> part_spans(const SessionFolder& folder, const Json& manifest,
-                                 std::size_t maps, std::size_t scans) {
-  if (!manifest.contains("sessions")) {
-    return {{folder.name(), manifest.at("recording").at("path").get<std::string>(),
-             manifest.at("sensor").get<std::string>(), 0, static_cast<int>(maps), 0, scans}};
-  }
-  std::vector<PartSpan> spans;
-  std::size_t map = 0;
-  std::size_t scan = 0;
-  for (const Json& s : manifest.at("sessions")) {
-    PartSpan span;
-    s.at("name").get_to(span.name);
-    s.at("recording").get_to(span.recording);
-    s.at("sensor").get_to(span.sensor);
-    s.at("first_map").get_to(span.first_map);
-    s.at("local_maps").get_to(span.maps);
-    s.at("first_scan").get_to(span.first_scan);
-    s.at("scans").get_to(span.scans);
-    if (span.first_map != static_cast<int>(map) || span.first_scan != scan)
-      fail(folder.file("manifest.json"), "the sessions do not follow one another");
-    map += static_cast<std::size_t>(std::max(span.maps, 0));
-    scan += span.scans;
-    spans.push_back(std::move(span));
-  }
-  if (map != maps || scan != scans)
-    fail(folder.file("manifest.json"), "the sessions do not add up to the tables");
-  return spans;
+// The recordings of a session; one that is not merged has itself as its only part.
+std::vector<ManifestPart> parts_of(const SessionFolder& folder, const Manifest& manifest) {
+  if (manifest.merged()) return manifest.parts;
+  ManifestPart part;
+  part.name = folder.name();
+  check_part_name(part.name, folder.path().string() + ": the folder's name");
+  part.recording = manifest.recording.at("path").get<std::string>();
+  part.sensor = manifest.sensor;
+  part.scans = manifest.scans;
+  part.local_maps = manifest.local_maps;
+  return {part};
 }
 
-Trajectory slice(const Trajectory& all, const PartSpan& span) {
+Trajectory slice(const Trajectory& all, const ManifestPart& span) {
   const auto first = all.begin() + static_cast<std::ptrdiff_t>(span.first_scan);
   return {first, first + static_cast<std::ptrdiff_t>(span.scans)};
 }
@@ -121,20 +69,22 @@ void check_partition(const fs::path& file, const SessionPart& part) {
     fail(file, "the maps do not cover the scans of the trajectory");
 }
 
-SessionPart make_part(const SessionFolder& folder, const PartSpan& span, const Trajectory& odometry,
-                      const Trajectory& trajectory, const std::vector<LocalMapRecord>& maps) {
+SessionPart make_part(const SessionFolder& folder, const ManifestPart& span,
+                      const Trajectory& odometry, const Trajectory& trajectory,
+                      const std::vector<LocalMapRecord>& maps) {
   SessionPart part;
   part.name = span.name;
   part.recording = span.recording;
   part.sensor = span.sensor;
-  part.first_map = span.first_map;
+  part.first_map = static_cast<int>(span.first_map);
   part.odometry = slice(odometry, span);
   part.trajectory = slice(trajectory, span);
-  for (int m = 0; m < span.maps; ++m) {
+  for (std::size_t m = 0; m < span.local_maps; ++m) {
     LocalMapRecord map = maps[span.first_map + m];
-    if (map.map != span.first_map + m || map.first_scan < span.first_scan)
+    if (map.map != static_cast<int>(span.first_map + m) || map.first_scan < span.first_scan ||
+        map.last_scan < map.first_scan)
       fail(folder.file("local_maps.csv"), "maps are not numbered in order");
-    map.map = m;
+    map.map = static_cast<int>(m);
     map.first_scan -= span.first_scan;
     map.last_scan -= span.first_scan;
     part.maps.push_back(map);
@@ -144,12 +94,38 @@ SessionPart make_part(const SessionFolder& folder, const PartSpan& span, const T
 }
 
 std::uint64_t fingerprint(const std::vector<MapDescription>& descriptions) {
-  std::uint64_t sum = fnv1a({});
+  Checksum sum;
   for (const MapDescription& d : descriptions) {
-    sum = fnv1a(std::as_bytes(std::span(d.descriptors)), sum);
-    sum = fnv1a(std::as_bytes(std::span(d.keypoints)), sum);
+    sum.add(std::as_bytes(std::span(d.descriptors)));
+    sum.add(std::as_bytes(std::span(d.keypoints)));
   }
-  return sum;
+  return sum.value();
+}
+
+// Closures name maps and recordings of the session. One of a single recording names none; it is
+// called by the folder here, which may have been renamed since.
+void check_closures(StoredSession& session) {
+  const fs::path file = session.folder.file("closures.csv");
+  const bool merged = session.parts.size() > 1;
+  const auto check_side = [&](std::size_t row, std::string& name, int map) {
+    const std::string line = file.string() + ":" + std::to_string(row + 2) + ": ";
+    if (!merged) {
+      if (!name.empty())
+        throw InputError(line + "names a session, '" + name + "', in a session of one recording");
+      name = session.parts.front().name;
+    }
+    const auto part = std::find_if(session.parts.begin(), session.parts.end(),
+                                   [&](const SessionPart& p) { return p.name == name; });
+    if (part == session.parts.end())
+      throw InputError(line + "the manifest lists no session '" + name + "'");
+    if (map < 0 || map >= static_cast<int>(part->maps.size()))
+      throw InputError(line + "map " + std::to_string(map) + " does not exist");
+  };
+  for (std::size_t row = 0; row < session.closures.size(); ++row) {
+    ClosureRecord& c = session.closures[row];
+    check_side(row, c.reference_session, c.reference_map);
+    check_side(row, c.query_session, c.query_map);
+  }
 }
 
 // Gives each part the descriptions of its maps. A run keeps its own as session 0.
@@ -210,25 +186,19 @@ void read_graph(StoredSession& session) {
 StoredSession load_session(const fs::path& path, const LoopClosureOptions& options) {
   StoredSession session{SessionFolder(path), {}, {}, {}};
   const SessionFolder& folder = session.folder;
-  const Json manifest = read_manifest(folder);
-  try {
-    check_files(folder, manifest);
-    const Trajectory odometry = read_tum(folder.file("odometry.tum"));
-    const Trajectory trajectory = read_tum(folder.file("trajectory.tum"));
-    const std::vector<LocalMapRecord> maps = read_local_maps(folder.file("local_maps.csv"));
-    if (odometry.size() != trajectory.size())
-      fail(folder.file("odometry.tum"), "odometry and trajectory differ in length");
-    for (const PartSpan& span : part_spans(folder, manifest, maps.size(), trajectory.size()))
-      session.parts.push_back(make_part(folder, span, odometry, trajectory, maps));
-  } catch (const Json::exception&) {
-    fail(folder.file("manifest.json"), "damaged or of another version; run the recording again");
-  }
+  const Manifest manifest = read_complete_manifest(folder);
+  check_files(folder, manifest);
+  const Trajectory odometry = read_tum(folder.file("odometry.tum"));
+  const Trajectory trajectory = read_tum(folder.file("trajectory.tum"));
+  const std::vector<LocalMapRecord> maps = read_local_maps(folder.file("local_maps.csv"));
+  if (odometry.size() != trajectory.size())
+    fail(folder.file("odometry.tum"), "odometry and trajectory differ in length");
+  if (trajectory.size() != manifest.scans || maps.size() != manifest.local_maps)
+    fail(folder.file("manifest.json"), "counts other scans or local maps than the tables hold");
+  for (const ManifestPart& part : parts_of(folder, manifest))
+    session.parts.push_back(make_part(folder, part, odometry, trajectory, maps));
   session.closures = read_closures(folder.file("closures.csv"));
-  if (session.parts.size() == 1) {
-    // The folder may have been renamed since.
-    for (ClosureRecord& c : session.closures)
-      c.reference_session = c.query_session = session.parts.front().name;
-  }
+  check_closures(session);
   const fs::path database = folder.file("loop_database.bin");
   add_descriptions(database, LoopDatabase::load(database, options), session.parts);
   read_graph(session);

@@ -6,9 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <system_error>
-
-#include <unistd.h>
 
 #include "frontend/core/error.hpp"
 
@@ -16,6 +15,10 @@ namespace groundloop {
 namespace fs = std::filesystem;
 
 namespace {
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+}  // namespace
 
 std::ifstream open_for_reading(const fs::path& file, std::uintmax_t& size) {
   std::error_code error;
@@ -27,10 +30,6 @@ std::ifstream open_for_reading(const fs::path& file, std::uintmax_t& size) {
   if (error || !in) throw InputError(file.string() + ": cannot be read; check its permissions");
   return in;
 }
-
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-}  // namespace
 
 std::vector<std::byte> read_file(const fs::path& file) {
   std::uintmax_t size = 0;
@@ -47,43 +46,6 @@ std::vector<std::byte> read_file(const fs::path& file) {
 std::string read_text(const fs::path& file) {
   const std::vector<std::byte> bytes = read_file(file);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-AtomicFile::AtomicFile(fs::path file) : final_(std::move(file)), temporary_(final_) {
-  temporary_ += ".part" + std::to_string(::getpid());
-  std::error_code error;
-  if (final_.has_parent_path()) fs::create_directories(final_.parent_path(), error);
-  stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-  if (!stream_)
-    throw InputError(final_.string() + ": cannot be written; choose a folder you may write to");
-}
-
-AtomicFile::~AtomicFile() {
-  if (committed_) return;
-  stream_.close();
-  std::error_code error;
-  fs::remove(temporary_, error);
-}
-
-void AtomicFile::write(const void* data, std::size_t bytes) {
-  stream_.write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
-}
-
-void AtomicFile::commit() {
-  stream_.flush();
-  const bool good = stream_.good();
-  stream_.close();
-  if (!good) throw InputError(final_.string() + ": could not be written whole; is the disk full?");
-  std::error_code error;
-  fs::rename(temporary_, final_, error);
-  if (error) throw InputError(final_.string() + ": cannot be put in place: " + error.message());
-  committed_ = true;
-}
-
-void write_text_atomically(const fs::path& file, std::string_view text) {
-  AtomicFile out(file);
-  out.write(text);
-  out.commit();
 }
 
 bool natural_less(std::string_view a, std::string_view b) {
@@ -129,27 +91,6 @@ std::vector<fs::path> list_files(const fs::path& folder, std::string_view extens
     return natural_less(a.filename().native(), b.filename().native());
   });
   return files;
-}
-
-std::uint64_t fnv1a(std::span<const std::byte> bytes, std::uint64_t seed) {
-  std::uint64_t hash = seed;
-  for (const std::byte b : bytes) {
-    hash ^= static_cast<std::uint64_t>(b);
-    hash *= 1099511628211ULL;
-  }
-  return hash;
-}
-
-std::uint64_t fnv1a_of_file(const fs::path& file) {
-  std::uintmax_t size = 0;
-  std::ifstream in = open_for_reading(file, size);
-  std::vector<std::byte> buffer(1 << 20);
-  std::uint64_t hash = fnv1a({});
-  while (in) {
-    in.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(buffer.size()));
-    hash = fnv1a({buffer.data(), static_cast<std::size_t>(in.gcount())}, hash);
-  }
-  return hash;
 }
 
 std::string to_text(double value) {

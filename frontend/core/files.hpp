@@ -1,47 +1,23 @@
-// Files as every writer and reader of groundloop treats them: read whole or fail with a name,
-// written aside and renamed.
+// Files as every reader of groundloop treats them: read whole, or fail with a name. And numbers as
+// text. Writing is output_file.hpp's.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <functional>
-#include <span>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace groundloop {
 
+/// The file opened, and its size. Throws InputError naming the file and the reason.
+[[nodiscard]] std::ifstream open_for_reading(const std::filesystem::path& file,
+                                             std::uintmax_t& size);
 /// Bytes of a file. Throws InputError naming the file and the reason.
 [[nodiscard]] std::vector<std::byte> read_file(const std::filesystem::path& file);
 [[nodiscard]] std::string read_text(const std::filesystem::path& file);
-
-/// A file that appears under its final name only when commit() has succeeded. Destroyed before
-/// that, it leaves nothing.
-class AtomicFile {
- public:
-  /// Throws InputError where the folder cannot be written.
-  explicit AtomicFile(std::filesystem::path file);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
-
-  std::ofstream& stream() { return stream_; }
-  void write(const void* data, std::size_t bytes);
-  void write(std::string_view text) { write(text.data(), text.size()); }
-  /// Flushes, closes and renames; throws InputError where the disk is full.
-  void commit();
-
- private:
-  std::filesystem::path final_;
-  std::filesystem::path temporary_;
-  std::ofstream stream_;
-  bool committed_ = false;
-};
-
-void write_text_atomically(const std::filesystem::path& file, std::string_view text);
 
 /// Files of a folder whose name ends in `extension` (with the dot, case ignored; empty: all), in
 /// natural order
@@ -50,11 +26,6 @@ void write_text_atomically(const std::filesystem::path& file, std::string_view t
                                                             std::string_view extension);
 /// True where a goes before b in natural order: runs of digits compare as numbers.
 [[nodiscard]] bool natural_less(std::string_view a, std::string_view b);
-
-/// FNV-1a, 64 bits: the checksum of session files.
-[[nodiscard]] std::uint64_t fnv1a(std::span<const std::byte> bytes,
-                                  std::uint64_t seed = 14695981039346656037ULL);
-[[nodiscard]] std::uint64_t fnv1a_of_file(const std::filesystem::path& file);
 
 /// A double in the fewest digits that read back the same.
 [[nodiscard]] std::string to_text(double value);

@@ -6,6 +6,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop {
 namespace {
@@ -22,7 +23,7 @@ std::string header(std::size_t count) {
 }  // namespace
 
 void write_pcd(const std::filesystem::path& file, const Points& points) {
-  AtomicFile out(file);
+  OutputFile out(file);
   out.write(header(points.size()));
   out.write(points.data(), points.size() * sizeof(Eigen::Vector3f));
   out.commit();

@@ -6,6 +6,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop {
 namespace fs = std::filesystem;

@@ -6,6 +6,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/spelling.hpp"
 #include "frontend/simulation/simulation.hpp"
 
 namespace groundloop {
@@ -27,27 +28,6 @@ std::string list(const Names& names) {
   return text;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string nearest(std::string_view word, const Names& names) {
-  return std::string(*std::min_element(names.begin(), names.end(), [&](auto a, auto b) {
-    return edit_distance(word, a) < edit_distance(word, b);
-  }));
-}
-
 [[noreturn]] void refuse(const std::string& specification, const std::string& what) {
   throw InputError(specification + ": " + what);
 }
@@ -56,7 +36,7 @@ std::string one_of(const std::string& specification, const std::string& key, std
                    const Names& names) {
   if (std::find(names.begin(), names.end(), value) == names.end()) {
     refuse(specification, key + " '" + std::string(value) + "' is unknown, did you mean '" +
-                              nearest(value, names) + "'? Allowed are " + list(names));
+                              nearest_word(value, names) + "'? Allowed are " + list(names));
   }
   return std::string(value);
 }
@@ -111,7 +91,7 @@ void set(SimulationParameters& parameters, const std::string& specification, con
       refuse(specification, "fov must be 360 or 290 (degrees)");
     }
   } else {
-    refuse(specification, "key '" + key + "' is unknown, did you mean '" + nearest(key, keys) +
+    refuse(specification, "key '" + key + "' is unknown, did you mean '" + nearest_word(key, keys) +
                               "'? Allowed are " + list(keys));
   }
 }

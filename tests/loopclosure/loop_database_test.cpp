@@ -7,6 +7,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "loopclosure/describe.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "backend/session/manifest.hpp"
 #include "backend/session/session.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "frontend/core/pcd.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -55,10 +57,11 @@ TEST(ExportCommand, GivesThePointsOfAMergedSessionTheirRecording) {
   const testing::TemporaryFolder folder;
   const std::string session = write_session(folder);
   const auto manifest = [&](const char* frame_of_b) {
-    write_text_atomically(
-        SessionFolder(session).file("manifest.json"),
-        std::string(R"({"sessions":[{"name":"a","frame":"a","first_map":0,"local_maps":1},)") +
-            R"({"name":"b","frame":")" + frame_of_b + R"(","first_map":1,"local_maps":1}]})");
+    Manifest written;
+    written.stage = SessionStage::complete;
+    written.scans = written.local_maps = 2;
+    written.parts = {{"a", "", "", "", 1, 0, 1, 0, "a"}, {"b", "", "", "", 1, 1, 1, 1, frame_of_b}};
+    write_manifest(SessionFolder(session), written);
   };
   const auto out = folder / "map.ply";
   manifest("a");

@@ -8,6 +8,7 @@
 
 #include "backend/graph/g2o_file.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "tests/support/false_closures.hpp"
 #include "tests/support/simulated_graph.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
               {"--config", "/nonexistent.yaml"},
               {"/nonexistent.yaml"}},
         Fault{"UnknownFormat", kNothing, {"--format", "kity"}, {"kity"}},
-        Fault{"ResumeWithoutAnInterruptedRun", kNothing, {"--resume"}, {"checkpoint"}}),
+        Fault{"ResumeWithoutAnInterruptedRun", kNothing, {"--resume"}, {"no interrupted session"}}),
     [](const auto& fault) { return std::string(fault.param.name); });
 
 TEST(Run, MissingRecordingIsNamed) {

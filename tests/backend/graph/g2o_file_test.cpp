@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "frontend/core/error.hpp"
-#include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace groundloop {

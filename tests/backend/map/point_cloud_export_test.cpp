@@ -11,6 +11,7 @@
 #include "backend/map/map_assembly.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 #include "frontend/core/pcd.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "frontend/core/error.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 namespace groundloop {
 namespace {
@@ -39,19 +38,6 @@ TEST(Files, NumbersInNamesCompareAsNumbers) {
   EXPECT_FALSE(natural_less("a", "a"));
 }
 
-TEST(Files, AnUncommittedFileLeavesNothing) {
-  const testing::TemporaryFolder folder;
-  { AtomicFile(folder / "a.txt").write("half"); }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-}
-
-TEST(Files, ACommittedFileHoldsWhatWasWritten) {
-  const testing::TemporaryFolder folder;
-  write_text_atomically(folder / "a.txt", "whole\n");
-  EXPECT_EQ(read_text(folder / "a.txt"), "whole\n");
-  EXPECT_EQ(list_files(folder.path(), "").size(), 1U);
-}
-
 TEST(Files, AMissingFileIsNamed) {
   try {
     (void)read_file("/nonexistent/file.bin");
@@ -59,16 +45,6 @@ TEST(Files, AMissingFileIsNamed) {
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("/nonexistent/file.bin"), std::string::npos);
   }
-}
-
-// Published test vectors of FNV-1a, 64 bits.
-TEST(Files, Fnv1aAgreesWithItsTestVectors) {
-  const auto hash = [](std::string_view s) {
-    return fnv1a(std::as_bytes(std::span(s.data(), s.size())));
-  };
-  EXPECT_EQ(hash(""), 0xcbf29ce484222325ULL);
-  EXPECT_EQ(hash("a"), 0xaf63dc4c8601ec8cULL);
-  EXPECT_EQ(hash("foobar"), 0x85944171f73967e8ULL);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backend/session/session.hpp"
+#include "frontend/core/checksum.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "tests/support/command.hpp"
@@ -41,7 +42,7 @@ std::map<std::string, std::uint64_t> fingerprints(const fs::path& session) {
     if (!entry.is_regular_file()) continue;
     const std::string name = fs::relative(entry.path(), session).string();
     if (name == "metrics.json" || name == "run.log" || name == "report.html") continue;
-    result[name] = fnv1a_of_file(entry.path());
+    result[name] = checksum_of_file(entry.path());
   }
   return result;
 }

@@ -1,0 +1,21 @@
+// Everything of a run that grows while its scans come in.
+#pragma once
+
+#include "backend/mapping/closure_finder.hpp"
+#include "backend/mapping/stage_times.hpp"
+#include "frontend/core/trajectory.hpp"
+#include "frontend/local_maps/local_map_builder.hpp"
+#include "frontend/odometry/odometry.hpp"
+
+namespace groundloop {
+
+struct RunState {
+  Odometry odometry;
+  LocalMapBuilder builder;
+  ClosureFinder finder;
+  Trajectory trajectory;        ///< by odometry, one pose a scan
+  StageTimes times;             ///< of all calls that worked on the session
+  bool scans_finished = false;  ///< every scan is registered, the last map finished
+};
+
+}  // namespace groundloop

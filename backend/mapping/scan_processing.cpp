@@ -1,0 +1,112 @@
+#include "backend/mapping/scan_processing.hpp"
+
+#include <algorithm>
+
+#include "backend/mapping/mapping_thread.hpp"
+#include "frontend/core/clock.hpp"
+#include "frontend/core/error.hpp"
+#include "frontend/recordings/read_ahead.hpp"
+
+namespace groundloop {
+namespace {
+
+std::string scan_name(const Recording& recording, std::size_t index) {
+  return recording.info().path + ": scan " + std::to_string(index);
+}
+
+class ScanProcessing {
+ public:
+  ScanProcessing(Recording& recording, RunState& state, const Checkpoint& checkpoint,
+                 double seconds)
+      : recording_(recording),
+        state_(state),
+        before_(state.times),
+        checkpoint_(checkpoint),
+        interval_(seconds),
+        mapping_(state.builder, state.finder),
+        reader_(recording, state.trajectory.size(), recording.size() - state.trajectory.size()) {}
+
+  void run(const Progress& progress) {
+    try {
+      while (true) {
+        if (progress) progress("odometry", state_.trajectory.size(), recording_.size());
+        const std::optional<Scan> scan = reader_.next();
+        if (!scan) break;
+        add(*scan);
+        if (seconds_since(saved_) >= interval_) save();
+      }
+    } catch (const Interrupted&) {
+      save();
+      throw;
+    } catch (const InputError&) {
+      // A scan that cannot be used, far into a recording: once it is mended, --resume goes on from
+      // here. An error of the mapping thread is worse, and travels instead.
+      mapping_.drain();
+      if (!state_.finder.maps().empty()) save();
+      throw;
+    }
+    mapping_.finish();
+    if (const std::optional<LocalMap> last = state_.builder.finish()) state_.finder.add(*last);
+    state_.scans_finished = true;
+    count_times();
+    checkpoint_.save(state_);
+  }
+
+ private:
+  void add(const Scan& scan) {
+    RegisteredScan registered =
+        state_.odometry.add(scan, scan_name(recording_, state_.trajectory.size()));
+    odometry_seconds_ += registered.seconds;
+    state_.trajectory.push_back({scan.stamp, registered.T_world_scan});
+    mapping_.add(std::move(registered.points), registered.T_world_scan);
+  }
+
+  // With every scan so far in its map, so that the state is one of between two scans.
+  void save() {
+    mapping_.drain();
+    count_times();
+    const auto start = Clock::now();
+    checkpoint_.save(state_);
+    constexpr double kShare = 20.0;
+    interval_ = std::max(interval_, kShare * seconds_since(start));
+    saved_ = Clock::now();
+  }
+
+  void count_times() {
+    const LoopClosureTimes& t = state_.finder.times();
+    StageTimes& times = state_.times;
+    times = before_;
+    times.read += reader_.seconds_reading();
+    times.odometry += odometry_seconds_;
+    times.local_maps += mapping_.building_seconds();
+    times.ground_alignment += t.ground_alignment;
+    times.density_image += t.density_image;
+    times.features += t.features;
+    times.matching += t.matching;
+    times.consensus += t.consensus;
+    times.verification += state_.finder.verification_seconds();
+    times.total += seconds_since(start_);
+  }
+
+  Recording& recording_;
+  RunState& state_;
+  StageTimes before_;
+  const Checkpoint& checkpoint_;
+  double interval_;
+  Clock::time_point start_ = Clock::now(), saved_ = start_;
+  double odometry_seconds_ = 0.0;
+  MappingThread mapping_;
+  ReadAhead reader_;
+};
+
+}  // namespace
+
+void process_scans(Recording& recording, RunState& state, const Checkpoint& checkpoint,
+                   double seconds, const Progress& progress) {
+  if (state.scans_finished) return;
+  if (state.trajectory.empty() && recording.size() > 1)
+    state.odometry.start(recording.read(0), recording.read(1));
+  ScanProcessing(recording, state, checkpoint, seconds).run(progress);
+}
+
+}  // namespace groundloop

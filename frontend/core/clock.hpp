@@ -1,0 +1,14 @@
+// Seconds of clock, for the times of stages.
+#pragma once
+
+#include <chrono>
+
+namespace groundloop {
+
+using Clock = std::chrono::steady_clock;
+
+[[nodiscard]] inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace groundloop
