@@ -1,12 +1,12 @@
-# embed_presets(FOLDER OUTPUT): a header with every FOLDER/*.yaml as text, so that the command finds its presets wherever
-# it is installed.
-function(embed_presets folder output)
+# embed_presets(FOLDER OUTPUT NAME): a header with every FOLDER/*.yaml as text in the array NAME, so that the command finds
+# its presets wherever it is installed.
+function(embed_presets folder output array)
   file(GLOB files CONFIGURE_DEPENDS ${folder}/*.yaml)
   list(SORT files)
-  set(text "// Made by CMake from configs/*.yaml.\n#pragma once\n\n#include <array>\n\nnamespace groundloop::apps {\n\n")
+  set(text "// Made by CMake from *.yaml.\n#pragma once\n\n#include <array>\n\nnamespace groundloop::apps {\n\n")
   string(APPEND text "struct Preset {\n  const char* name;\n  const char* yaml;\n};\n\n")
   list(LENGTH files count)
-  string(APPEND text "inline constexpr std::array<Preset, ${count}> kPresets{{\n")
+  string(APPEND text "inline constexpr std::array<Preset, ${count}> ${array}{{\n")
   foreach(file ${files})
     get_filename_component(name ${file} NAME_WE)
     file(READ ${file} yaml)

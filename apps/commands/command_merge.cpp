@@ -69,11 +69,15 @@ void add_merge_command(CLI::App& app, Context& context) {
 
 void add_match_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
-      "match", "closures between two sessions, as a file that `merge --matches` takes");
+      "match",
+      "closures between two sessions, as a file that `merge --matches` takes; of one session, "
+      "those within it");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("REFERENCE", arguments->match.reference, "session folder")->required();
-  command->add_option("QUERY", arguments->match.query, "session folder")->required();
+  command->add_option("QUERY", arguments->match.query, "session folder, none: REFERENCE itself");
   command->add_option("--out", arguments->match.out, "file to write")->required();
+  command->add_flag("--anew", arguments->match.anew,
+                    "describe the local maps anew, with this configuration");
   add_config_options(*command, *arguments);
   command->callback([arguments, &context] {
     arguments->match.config = effective_config(arguments->config_file, arguments->settings);

@@ -5,6 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "apps/commands/detection.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/commands/run.hpp"
 #include "apps/report/merge_documents.hpp"
@@ -334,13 +335,23 @@ void merge_recordings(const MergeRequest& request, Context& context) {
 void match_recordings(const MatchRequest& request, const Context& context) {
   validate_config(request.config);
   const LoopClosureOptions& loop_closure = request.config.slam.loop_closure;
-  const StoredSession reference = load_session(request.reference, loop_closure);
-  const StoredSession query = load_session(request.query, loop_closure);
   const SessionMatchingOptions options = merge_options(request.config).matching;
-  MapStore references(reference.folder, options.registration);
-  MapStore queries(query.folder, options.registration);
   stop_on_signals();
   const Progress progress = make_progress(context);
+  StoredSession reference = load_session(request.reference, loop_closure);
+  MapStore references(reference.folder, options.registration);
+  if (request.anew) describe_anew(reference, loop_closure, progress);
+  if (request.query.empty()) {
+    const std::vector<ClosureRecord> closures =
+        match_within(reference, references, options, progress);
+    end_progress();
+    write_closures(request.out, closures);
+    spdlog::info("{}: {} candidates", request.out.string(), closures.size());
+    return;
+  }
+  StoredSession query = load_session(request.query, loop_closure);
+  MapStore queries(query.folder, options.registration);
+  if (request.anew) describe_anew(query, loop_closure, progress);
   std::vector<PairMatches> pairs;
   for (const SessionPart& r : reference.parts) {
     for (const SessionPart& q : query.parts) {

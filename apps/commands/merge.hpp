@@ -28,7 +28,9 @@ struct MergeRequest {
 void merge_recordings(const MergeRequest& request, Context& context);
 
 struct MatchRequest {
-  std::filesystem::path reference, query, out;
+  std::filesystem::path reference, query, out;  ///< no query: the closures within the reference
+  bool anew =
+      false;  ///< describe local maps with this configuration, not as the sessions have them
   Config config;
 };
 

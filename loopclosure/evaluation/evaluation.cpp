@@ -8,24 +8,14 @@
 #include <utility>
 
 #include "frontend/core/error.hpp"
-#include "frontend/core/parallel.hpp"
 #include "loopclosure/evaluation/reference_alignment.hpp"
 
 namespace groundloop {
 namespace {
 
 constexpr double kVoxelSize = 0.5;
-// Ground truth may be a metre off between visits: pairs that overlap this little at ground truth
-// may overlap enough once aligned.
-constexpr double kWorthAligning = 0.05;
-constexpr int kOverlapInliers = 5;         // of Tables 5 and 8
-constexpr double kMeetingDistance = 15.0;  // m between two ways that meet
+constexpr double kOverlapScore = 5;  // of Tables 5 and 8
 
-using Pair = std::pair<MapKey, MapKey>;  // reference, query
-
-struct PoseError {
-  double translation_m, rotation_deg;
-};
 PoseError error_of(const Pose& T, const Pose& expected) {
   const Pose difference = expected.inverse() * T;
   return {difference.translation.norm(),
@@ -59,89 +49,12 @@ PoseErrors statistics(const std::vector<PoseError>& errors) {
   return {statistics(std::move(translation)), statistics(std::move(rotation))};
 }
 
-// Unit direction of travel at scan i, from its neighbours.
-Eigen::Vector3d heading(const std::vector<Eigen::Vector3d>& positions, std::size_t i) {
-  const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, positions.size() - 1);
-  const Eigen::Vector3d step = positions[after] - positions[before];
-  return step.norm() > 1e-6 ? Eigen::Vector3d(step.normalized()) : Eigen::Vector3d::Zero();
-}
-
-// Median distance and direction over the query's scans that come near the reference's way.
-void classify(ReferenceClosure& closure, const EvaluatedMap& reference, const EvaluatedMap& query) {
-  std::vector<double> distances;
-  double cosine = 0.0;
-  for (std::size_t i = 0; i < query.positions.size(); ++i) {
-    double nearest = kMeetingDistance;
-    std::size_t at = reference.positions.size();
-    for (std::size_t j = 0; j < reference.positions.size(); ++j) {
-      const double distance = (reference.positions[j] - query.positions[i]).norm();
-      if (distance < nearest) nearest = distance, at = j;
-    }
-    if (at == reference.positions.size()) continue;
-    distances.push_back(nearest);
-    cosine += heading(query.positions, i).dot(heading(reference.positions, at));
-  }
-  if (distances.empty()) return;
-  cosine /= static_cast<double>(distances.size());
-  closure.distance = statistics(std::move(distances)).median;
-  closure.direction = cosine > std::numbers::sqrt2 / 2    ? TravelDirection::same
-                      : cosine < -std::numbers::sqrt2 / 2 ? TravelDirection::opposite
-                                                          : TravelDirection::crossing;
-}
-
-bool comes_before(const MapKey& reference, const MapKey& query, int skipped) {
-  return reference.session != query.session ? reference.session < query.session
-                                            : reference.map < query.map - skipped;
-}
-
-// The reference closures whose query is maps[q].
-std::vector<ReferenceClosure> references_of(const std::vector<EvaluatedMap>& maps, std::size_t q,
-                                            const ClosureEvaluationOptions& options) {
-  const EvaluatedMap& query = maps[q];
-  const OccupiedVoxels own(query.points, Pose(), kVoxelSize);
-  const auto true_pose = [&](std::size_t r) {
-    return query.T_world_map.inverse() * maps[r].T_world_map;
-  };
-  std::vector<double> overlaps(maps.size(), 0.0);
-  parallel_for(maps.size(), 1, [&](std::size_t r) {
-    if (!comes_before(maps[r].key, query.key, options.skipped_maps)) return;
-    overlaps[r] = own.overlap(maps[r].points, true_pose(r));
-  });
-  const auto worth_aligning = [&](double overlap) {
-    return options.align_references && overlap > kWorthAligning;
-  };
-  if (std::any_of(overlaps.begin(), overlaps.end(), worth_aligning)) {
-    const ReferenceTarget target(query.points);
-    parallel_for(maps.size(), 1, [&](std::size_t r) {
-      if (!worth_aligning(overlaps[r])) return;
-      const ReferenceAlignment aligned = reference_alignment(target, maps[r].points, true_pose(r));
-      if (aligned.converged) {
-        overlaps[r] = own.overlap(maps[r].points, aligned.T_query_reference);
-      }
-    });
-  }
-  std::vector<ReferenceClosure> found;
-  for (std::size_t r = 0; r < maps.size(); ++r) {
-    const EvaluatedMap& reference = maps[r];
-    const bool same_session = reference.key.session == query.key.session;
-    if (overlaps[r] <= (same_session ? options.overlap : options.overlap_between_sessions)) {
-      continue;
-    }
-    ReferenceClosure closure;
-    closure.reference = reference.key;
-    closure.query = query.key;
-    closure.overlap = overlaps[r];
-    classify(closure, reference, query);
-    found.push_back(closure);
-  }
-  return found;
-}
-
 // Counts one closure among the true or the false.
-void count(DetectionCounts& counts, bool correct, bool aligned) {
+void count(DetectionCounts& counts, bool correct, bool right) {
   (correct ? counts.true_positives : counts.false_positives) += 1;
-  if (correct && !aligned) ++counts.misaligned;
-  if (!correct && aligned) ++counts.below_overlap;
+  counts.true_wrong_pose += correct && !right ? 1 : 0;
+  counts.false_right_pose += !correct && right ? 1 : 0;
+  counts.wrong_pose += right ? 0 : 1;
 }
 
 void finish(DetectionCounts& counts, std::size_t references) {
@@ -154,102 +67,165 @@ void finish(DetectionCounts& counts, std::size_t references) {
 // Judges closures one after the other, those of one query together.
 class Judge {
  public:
-  Judge(const std::vector<EvaluatedMap>& maps, std::vector<ReferenceClosure>& references,
+  Judge(const std::vector<EvaluatedMap>& maps, const std::vector<PairOverlap>& pairs,
         const std::function<Points(const MapKey&)>& load_map,
-        const ClosureEvaluationOptions& options)
-      : maps_(maps), references_(references), load_map_(load_map), options_(options) {
+        const ClosureEvaluationOptions& options, ClosureEvaluation& result)
+      : maps_(maps), load_map_(load_map), options_(options), result_(result) {
     for (std::size_t i = 0; i < maps.size(); ++i) map_index_[maps[i].key] = i;
-    for (std::size_t i = 0; i < references.size(); ++i) {
-      reference_index_[{references[i].reference, references[i].query}] = i;
+    for (const PairOverlap& pair : pairs) {
+      pairs_[{pair.reference, pair.query}] = pair;
+      if (!is_reference(pair, options.references)) continue;
+      reference_index_[{pair.reference, pair.query}] = result.references.size();
+      ReferenceClosure reference;
+      static_cast<PairOverlap&>(reference) = pair;
+      reference.uncertain = is_uncertain(pair, options.references);
+      result.references.push_back(reference);
     }
   }
 
-  void judge(const ReportedClosure& closure, ClosureEvaluation& result) {
-    const auto reference = reference_index_.find({closure.reference, closure.query});
-    const bool correct = reference != reference_index_.end();
-    const bool detected = closure.detector && closure.inliers >= options_.min_inliers;
-    const Pose truth =
-        true_pose(closure.query).inverse() * true_pose(closure.reference);  // T_query_reference
-    if (closure.detector) scored_.push_back({static_cast<double>(closure.inliers), correct});
-    if (detected) {
-      count(result.detector_accepted, correct, aligned(closure.initial_T_query_reference, truth));
+  void judge(const ReportedClosure& closure) {
+    const EvaluatedMap &reference = map(closure.reference), &query = map(closure.query);
+    if (!reference.known() || !query.known() ||
+        !is_eligible(closure.reference, closure.query, options_.references)) {
+      ++result_.dropped;
+      return;
     }
-    if (closure.accepted) {
-      count(result.final_graph, correct, aligned(closure.T_query_reference, truth));
+    JudgedClosure judged;
+    judged.closure = closure;
+    const auto pair = pairs_.find({closure.reference, closure.query});
+    if (pair != pairs_.end()) {
+      judged.overlap = pair->second.overlap;
+      judged.correct = is_reference(pair->second, options_.references);
+      judged.uncertain = is_uncertain(pair->second, options_.references);
     }
-    if (!correct) return;
-    ReferenceClosure& found = references_[reference->second];
-    found.detected = found.detected || detected;
-    found.in_final_graph = found.in_final_graph || closure.accepted;
-    measure(closure, detected, truth, found.overlap);
+    measure_poses(judged, reference, query);
+    const bool detected = closure.detector && closure.score >= options_.threshold;
+    if (detected) count(result_.at_threshold, judged.correct, judged.initial_right);
+    if (closure.accepted) count(result_.final_graph, judged.correct, judged.refined_right);
+    if (judged.correct) {
+      ReferenceClosure& found =
+          result_.references[reference_index_.at({closure.reference, closure.query})];
+      found.detected = found.detected || detected;
+      found.in_final_graph = found.in_final_graph || closure.accepted;
+      add_errors(judged, detected);
+      compare_with_icp(judged, detected, reference, query);
+    }
+    result_.judged.push_back(std::move(judged));
   }
 
-  void finish(ClosureEvaluation& result) {
-    result.detector = precision_recall(std::move(scored_), references_.size());
-    result.initial_to_proxy = statistics(initial_to_proxy_);
-    result.initial_absolute = statistics(initial_absolute_);
-    result.refined_to_proxy = statistics(refined_to_proxy_);
-    result.refined_absolute = statistics(refined_absolute_);
-    result.overlap_closures = overlap_differences_.size();
+  void finish() {
+    add_curves();
+    result_.initial_meeting = statistics(initial_meeting_);
+    result_.refined_meeting = statistics(refined_meeting_);
+    result_.initial_absolute = statistics(initial_origin_);
+    result_.refined_absolute = statistics(refined_origin_);
+    result_.initial_to_proxy = statistics(initial_to_proxy_);
+    result_.refined_to_proxy = statistics(refined_to_proxy_);
+    result_.overlap_closures = overlap_differences_.size();
     if (!overlap_differences_.empty()) {
-      result.overlap_rmse = statistics(overlap_differences_).rmse;
+      result_.overlap_rmse = statistics(overlap_differences_).rmse;
     }
+    groundloop::finish(result_.at_threshold, result_.references.size());
+    groundloop::finish(result_.final_graph, result_.references.size());
   }
 
  private:
-  [[nodiscard]] const Pose& true_pose(const MapKey& key) const {
+  [[nodiscard]] const EvaluatedMap& map(const MapKey& key) const {
     const auto found = map_index_.find(key);
     if (found == map_index_.end()) {
-      throw InputError("closures.csv: map " + std::to_string(key.map) +
-                       " is not in local_maps.csv; run the session again");
+      throw InputError("a closure names map " + std::to_string(key.map) +
+                       ", which the session does not have; give closures of this session");
     }
-    return maps_[found->second].T_world_map;
+    return maps_[found->second];
   }
 
-  [[nodiscard]] bool aligned(const Pose& T, const Pose& truth) const {
-    const PoseError e = error_of(T, truth);
-    return e.translation_m <= options_.aligned_m && e.rotation_deg <= options_.aligned_deg;
+  void measure_poses(JudgedClosure& judged, const EvaluatedMap& reference,
+                     const EvaluatedMap& query) const {
+    const ReportedClosure& closure = judged.closure;
+    if (!closure.initial_T_query_reference && !closure.T_query_reference) return;
+    const Pose truth = query.T_world_map().inverse() * reference.T_world_map();
+    const MeetingScans scans = meeting_scans(reference, query);
+    const Pose meeting = true_at_meeting(reference, query, scans);
+    const auto measure = [&](const std::optional<Pose>& T, std::optional<PoseError>& at_scans,
+                             std::optional<PoseError>& at_origins) {
+      if (!T) return false;
+      at_scans = error_of(at_meeting(*T, reference, query, scans), meeting);
+      at_origins = error_of(*T, truth);
+      return at_scans->translation_m <= options_.right_m &&
+             at_scans->rotation_deg <= options_.right_deg;
+    };
+    judged.initial_right =
+        measure(closure.initial_T_query_reference, judged.initial_meeting, judged.initial_origin);
+    judged.refined_right =
+        measure(closure.T_query_reference, judged.refined_meeting, judged.refined_origin);
   }
 
-  // Errors of a true closure.
-  void measure(const ReportedClosure& closure, bool detected, const Pose& truth,
-               double reference_overlap_of_maps) {
-    const bool for_overlap = closure.detector && closure.inliers >= kOverlapInliers;
-    if (!detected && !closure.accepted && !for_overlap) return;
+  void add_errors(const JudgedClosure& judged, bool detected) {
+    if (detected && judged.initial_meeting) {
+      initial_meeting_.push_back(*judged.initial_meeting);
+      initial_origin_.push_back(*judged.initial_origin);
+    }
+    if (judged.closure.accepted && judged.refined_meeting) {
+      refined_meeting_.push_back(*judged.refined_meeting);
+      refined_origin_.push_back(*judged.refined_origin);
+    }
+  }
+
+  // Of a true closure.
+  void compare_with_icp(const JudgedClosure& judged, bool detected, const EvaluatedMap& reference,
+                        const EvaluatedMap& query) {
+    const ReportedClosure& closure = judged.closure;
+    const bool initial = closure.initial_T_query_reference.has_value();
+    const bool for_overlap = closure.detector && closure.score >= kOverlapScore && initial;
+    const bool for_initial = detected && initial;
+    const bool for_refined = closure.accepted && closure.T_query_reference.has_value();
+    if (!load_map_ || !(for_initial || for_refined || for_overlap)) return;
     if (!target_ || loaded_ != closure.query) {
       loaded_ = closure.query;
       query_points_ = load_map_(closure.query);
       target_ = std::make_unique<ReferenceTarget>(query_points_);
     }
     const Points reference_points = load_map_(closure.reference);
+    const Pose truth = query.T_world_map().inverse() * reference.T_world_map();
     const ReferenceAlignment proxy = reference_alignment(*target_, reference_points, truth);
-    if (detected) {
-      add(closure.initial_T_query_reference, truth, proxy, initial_absolute_, initial_to_proxy_);
+    if (proxy.converged && for_initial) {
+      initial_to_proxy_.push_back(
+          error_of(*closure.initial_T_query_reference, proxy.T_query_reference));
     }
-    if (closure.accepted) {
-      add(closure.T_query_reference, truth, proxy, refined_absolute_, refined_to_proxy_);
+    if (proxy.converged && for_refined) {
+      refined_to_proxy_.push_back(error_of(*closure.T_query_reference, proxy.T_query_reference));
     }
     if (for_overlap) {
       const double overlap = reference_overlap(reference_points, query_points_,
-                                               closure.initial_T_query_reference, kVoxelSize);
-      overlap_differences_.push_back(overlap - reference_overlap_of_maps);
+                                               *closure.initial_T_query_reference, kVoxelSize);
+      overlap_differences_.push_back(overlap - judged.overlap);
     }
   }
 
-  static void add(const Pose& T, const Pose& truth, const ReferenceAlignment& proxy,
-                  std::vector<PoseError>& absolute, std::vector<PoseError>& to_proxy) {
-    absolute.push_back(error_of(T, truth));
-    if (proxy.converged) to_proxy.push_back(error_of(T, proxy.T_query_reference));
+  void add_curves() {
+    std::vector<ScoredClosure> all, certain, posed;
+    for (const JudgedClosure& j : result_.judged) {
+      if (!j.closure.detector) continue;
+      all.push_back({j.closure.score, j.correct});
+      posed.push_back({j.closure.score, j.correct && j.initial_right});
+      if (!j.uncertain) certain.push_back({j.closure.score, j.correct});
+    }
+    const std::size_t references = result_.references.size();
+    result_.detector = precision_recall(std::move(all), references);
+    result_.with_right_pose = precision_recall(std::move(posed), references);
+    result_.certain =
+        precision_recall(std::move(certain), references - result_.uncertain_references());
   }
 
   const std::vector<EvaluatedMap>& maps_;
-  std::vector<ReferenceClosure>& references_;
   const std::function<Points(const MapKey&)>& load_map_;
   const ClosureEvaluationOptions& options_;
+  ClosureEvaluation& result_;
   std::map<MapKey, std::size_t> map_index_;
-  std::map<Pair, std::size_t> reference_index_;
-  std::vector<ScoredClosure> scored_;
-  std::vector<PoseError> initial_to_proxy_, initial_absolute_, refined_to_proxy_, refined_absolute_;
+  std::map<std::pair<MapKey, MapKey>, PairOverlap> pairs_;
+  std::map<std::pair<MapKey, MapKey>, std::size_t> reference_index_;
+  std::vector<PoseError> initial_meeting_, refined_meeting_, initial_origin_, refined_origin_,
+      initial_to_proxy_, refined_to_proxy_;
   std::vector<double> overlap_differences_;
   MapKey loaded_;
   Points query_points_;
@@ -258,42 +234,29 @@ class Judge {
 
 }  // namespace
 
-const char* to_string(TravelDirection direction) {
-  switch (direction) {
-    case TravelDirection::same:
-      return "same";
-    case TravelDirection::opposite:
-      return "opposite";
-    case TravelDirection::crossing:
-      return "crossing";
-    case TravelDirection::apart:
-      break;
-  }
-  return "apart";
+std::size_t ClosureEvaluation::uncertain_references() const {
+  return static_cast<std::size_t>(std::count_if(
+      references.begin(), references.end(), [](const ReferenceClosure& r) { return r.uncertain; }));
 }
 
 ClosureEvaluation evaluate_closures(const std::vector<EvaluatedMap>& maps,
+                                    const std::vector<PairOverlap>& pairs,
                                     const std::vector<ReportedClosure>& closures,
                                     const std::function<Points(const MapKey&)>& load_map,
                                     const ClosureEvaluationOptions& options,
                                     const Progress& progress) {
   ClosureEvaluation result;
-  for (std::size_t q = 0; q < maps.size(); ++q) {
-    if (progress) progress("reference closures", q, maps.size());
-    const std::vector<ReferenceClosure> found = references_of(maps, q, options);
-    result.references.insert(result.references.end(), found.begin(), found.end());
-  }
+  result.eligible = count_eligible(maps, options.references);
   std::vector<ReportedClosure> ordered = closures;
-  std::stable_sort(ordered.begin(), ordered.end(),
-                   [](const auto& a, const auto& b) { return a.query < b.query; });
-  Judge judge(maps, result.references, load_map, options);
+  std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.query, a.reference) < std::pair(b.query, b.reference);
+  });
+  Judge judge(maps, pairs, load_map, options, result);
   for (std::size_t c = 0; c < ordered.size(); ++c) {
     if (progress) progress("closures", c, ordered.size());
-    judge.judge(ordered[c], result);
+    judge.judge(ordered[c]);
   }
-  judge.finish(result);
-  finish(result.detector_accepted, result.references.size());
-  finish(result.final_graph, result.references.size());
+  judge.finish();
   return result;
 }
 

@@ -92,40 +92,43 @@ struct Drive {
       EvaluatedMap m;
       m.key = {0, map};
       const bool back = map == 5;
-      m.T_world_map = Pose(exp_so3({0, 0, back ? M_PI : 0.0}),
-                           {1000.0 * place + (back ? 60 : 0), back ? 60.0 : 0.0, 0});
+      const Pose T_world_map(exp_so3({0, 0, back ? M_PI : 0.0}),
+                             {1000.0 * place + (back ? 60 : 0), back ? 60.0 : 0.0, 0});
       const Points world = moved(yard(static_cast<std::uint64_t>(place)),
                                  Pose(Eigen::Quaterniond::Identity(), {1000.0 * place, 0, 0}));
-      m.points = moved(world, m.T_world_map.inverse());
-      for (int i = 0; i <= 10; ++i) {
-        m.positions.push_back(m.T_world_map * Eigen::Vector3d(6.0 * i, back ? 50 : 10, 1));
+      m.points = moved(world, T_world_map.inverse());
+      // From the corner straight along a line 10 m (back: 50 m) beside the yard's edge.
+      m.T_world_scan.push_back(T_world_map);
+      for (int i = 1; i <= 10; ++i) {
+        m.T_world_scan.push_back(
+            T_world_map * Pose(Eigen::Quaterniond::Identity(), {6.0 * i, back ? 50.0 : 10.0, 1}));
       }
       maps.push_back(m);
     }
   }
   [[nodiscard]] Pose truth(int reference, int query) const {
-    return maps[static_cast<std::size_t>(query)].T_world_map.inverse() *
-           maps[static_cast<std::size_t>(reference)].T_world_map;
+    return maps[static_cast<std::size_t>(query)].T_world_map().inverse() *
+           maps[static_cast<std::size_t>(reference)].T_world_map();
   }
   void report(int reference, int query, int inliers, bool accepted, double off_m) {
     ReportedClosure c;
     c.reference = {0, reference};
     c.query = {0, query};
-    c.inliers = inliers;
+    c.score = inliers;
     c.accepted = accepted;
     c.T_query_reference = truth(reference, query);
     c.initial_T_query_reference = truth(reference, query);
-    c.initial_T_query_reference.translation.x() += off_m;
+    c.initial_T_query_reference->translation.x() += off_m;
     closures.push_back(c);
   }
   [[nodiscard]] ClosureEvaluation evaluate() const {
     return evaluate_closures(
-        maps, closures,
+        maps, overlapping_pairs(maps, {}), closures,
         [&](const MapKey& key) { return maps[static_cast<std::size_t>(key.map)].points; }, {});
   }
 };
 
-TEST(EvaluateClosures, JudgesTrueFalseMissedAndMisaligned) {
+TEST(EvaluateClosures, JudgesTrueFalseAndMissed) {
   Drive drive;
   drive.report(0, 4, 30, true, 0.3);
   drive.report(0, 5, 8, false, 0.0);
@@ -139,27 +142,88 @@ TEST(EvaluateClosures, JudgesTrueFalseMissedAndMisaligned) {
   EXPECT_TRUE(e.references[0].detected);
   EXPECT_TRUE(e.references[0].in_final_graph);
   EXPECT_FALSE(e.references[1].detected);
-  EXPECT_EQ(e.detector_accepted.true_positives, 1U);
-  EXPECT_EQ(e.detector_accepted.false_positives, 1U);
-  EXPECT_DOUBLE_EQ(e.detector_accepted.precision.value(), 0.5);
-  EXPECT_DOUBLE_EQ(e.detector_accepted.recall.value(), 0.5);
+  EXPECT_EQ(e.at_threshold.true_positives, 1U);
+  EXPECT_EQ(e.at_threshold.false_positives, 1U);
+  EXPECT_DOUBLE_EQ(e.at_threshold.precision.value(), 0.5);
+  EXPECT_DOUBLE_EQ(e.at_threshold.recall.value(), 0.5);
   EXPECT_DOUBLE_EQ(e.final_graph.precision.value(), 1.0);
   // Steps: one of two at precision 1, the other at 2/3.
   EXPECT_NEAR(e.detector.average_precision.value(), 0.5 + 0.5 * 2 / 3, 1e-12);
+  EXPECT_EQ(e.eligible, 3U);  // of six maps, three skipped: 0-4, 0-5, 1-5
   EXPECT_NEAR(e.initial_absolute.translation_m.median, 0.3, 1e-9);
   EXPECT_NEAR(e.initial_to_proxy.translation_m.median, 0.3, 0.05);
   EXPECT_NEAR(e.refined_absolute.translation_m.max, 0.0, 1e-9);
   EXPECT_EQ(e.overlap_closures, 1U);
 }
 
-TEST(EvaluateClosures, APairWithAWrongPoseIsMisaligned) {
+TEST(EvaluateClosures, APairWithAWrongPoseIsNotRight) {
   Drive drive;
   drive.report(0, 4, 30, false, 7.0);
   const ClosureEvaluation e = drive.evaluate();
-  EXPECT_EQ(e.detector_accepted.true_positives, 1U);
-  EXPECT_EQ(e.detector_accepted.misaligned, 1U);
+  EXPECT_EQ(e.at_threshold.true_positives, 1U);
+  EXPECT_EQ(e.at_threshold.true_wrong_pose, 1U);
+  EXPECT_DOUBLE_EQ(e.detector.average_precision.value(), 0.5);
+  EXPECT_DOUBLE_EQ(e.with_right_pose.average_precision.value(), 0.0);
   // Shifted by 7 m its overlap is well below that of the reference maps.
   EXPECT_GT(e.overlap_rmse.value(), 0.1);
+}
+
+TEST(EvaluateClosures, DriftInsideMapsCountsAtOriginsAndNotWhereTheyMeet) {
+  Drive drive;
+  // Odometry bent the query map: its later scans lie where they would after a turn of 5 degrees at
+  // its origin. A closure that is right where the maps meet is then off at their origins.
+  const Pose bend(exp_so3({0, 0, 5 * M_PI / 180}), Eigen::Vector3d::Zero());
+  EvaluatedMap& query = drive.maps[4];
+  for (std::size_t i = 0; i < query.T_world_scan.size(); ++i) {
+    const Pose T = query.T_world_map().inverse() * query.T_world_scan[i];
+    query.T_map_scan.push_back(i == 0 ? T : bend * T);
+  }
+  // They share their way but for the first scan, which is moved away so that they meet beyond it.
+  drive.maps[0].T_world_scan[0].translation.z() -= 50;
+  drive.report(0, 4, 30, true, 0.0);
+  const Pose truth = drive.truth(0, 4);
+  drive.closures[0].initial_T_query_reference = bend * truth;
+  const std::vector<PairOverlap> pairs{{{0, 0}, {0, 4}, 0.9, TravelDirection::same, 0.0}};
+  const ClosureEvaluation e = evaluate_closures(drive.maps, pairs, drive.closures, {}, {});
+  ASSERT_EQ(e.judged.size(), 1U);
+  EXPECT_NEAR(e.judged[0].initial_meeting->translation_m, 0.0, 1e-6);
+  EXPECT_NEAR(e.judged[0].initial_meeting->rotation_deg, 0.0, 1e-6);
+  EXPECT_NEAR(e.judged[0].initial_origin->rotation_deg, 5.0, 1e-6);
+  EXPECT_TRUE(e.judged[0].initial_right);
+}
+
+TEST(EvaluateClosures, PairsNearTheThresholdAreUncertainAndLeftOutOfTheCertain) {
+  Drive drive;
+  drive.report(0, 4, 30, false, 0.0);
+  drive.report(0, 5, 20, false, 0.0);
+  drive.report(1, 5, 10, false, 0.0);
+  const std::vector<PairOverlap> pairs{{{0, 0}, {0, 4}, 0.29, TravelDirection::same, 0.0},
+                                       {{0, 0}, {0, 5}, 0.21, TravelDirection::same, 0.0},
+                                       {{0, 1}, {0, 5}, 0.31, TravelDirection::same, 0.0}};
+  const ClosureEvaluation e = evaluate_closures(drive.maps, pairs, drive.closures, {}, {});
+  EXPECT_EQ(e.references.size(), 2U);
+  EXPECT_EQ(e.uncertain_references(), 1U);
+  EXPECT_NEAR(e.detector.average_precision.value(), 0.5 + 0.5 * 2 / 3, 1e-12);
+  EXPECT_EQ(e.certain.references, 1U);
+  EXPECT_DOUBLE_EQ(e.certain.average_precision.value(), 1.0);
+}
+
+TEST(EvaluateClosures, LeavesOutMapsWithoutGroundTruth) {
+  Drive drive;
+  drive.maps[4].T_world_scan.clear();
+  drive.closures.push_back({{0, 0}, {0, 4}, true, false, 30.0, Pose(), Pose()});
+  const ClosureEvaluation e = drive.evaluate();
+  EXPECT_EQ(e.dropped, 1U);
+  EXPECT_EQ(e.eligible, 2U);
+  EXPECT_TRUE(e.judged.empty());
+}
+
+TEST(EvaluateClosures, BetweenSessionsCountsOnlyPairsOfTwo) {
+  ReferenceOptions options;
+  options.pairs = "between";
+  EXPECT_TRUE(is_eligible({0, 7}, {1, 0}, options));
+  EXPECT_FALSE(is_eligible({1, 0}, {0, 7}, options));
+  EXPECT_FALSE(is_eligible({0, 0}, {0, 7}, options));
 }
 
 TEST(EvaluateClosures, RefusesClosuresOfUnknownMaps) {
