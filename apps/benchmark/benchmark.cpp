@@ -59,6 +59,19 @@ std::string steps_as_json(const BenchmarkRequest& request) {
   return nlohmann::ordered_json{{"steps", steps}}.dump();
 }
 
+StepOutcome run_one_step(const BenchmarkRequest& request, const Progress& progress) {
+  const SuitePlan plan = plan_of(request, read_suite(request.suite));
+  const bool known = std::any_of(plan.steps.begin(), plan.steps.end(), [&](const Step& step) {
+    return step.name == request.runner.step;
+  });
+  if (!known) {
+    throw InputError("--step " + request.runner.step + ": " + request.suite +
+                     " has no such step; --list names them");
+  }
+  prepare_folder(request.runner.out);
+  return run_steps(plan.steps, request.runner, progress).front();
+}
+
 BenchmarkSummary run_benchmark(const BenchmarkRequest& request, const Progress& progress) {
   const Suite suite = read_suite(request.suite);
   const SuitePlan plan = plan_of(request, suite);

@@ -30,6 +30,10 @@ struct BenchmarkSummary {
 /// One line of JSON: {"steps": [{"name", "needs", "memory_mb"}]}, for a scheduler.
 [[nodiscard]] std::string steps_as_json(const BenchmarkRequest& request);
 
+/// Runs request.runner.step alone and makes no tables: what a scheduler's job does. Throws
+/// InputError where there is no such step.
+[[nodiscard]] StepOutcome run_one_step(const BenchmarkRequest& request, const Progress& progress);
+
 /// Throws InputError where the suite is no suite, or the folder holds something else.
 [[nodiscard]] BenchmarkSummary run_benchmark(const BenchmarkRequest& request,
                                              const Progress& progress);

@@ -241,7 +241,7 @@ std::vector<Measure> closure_measures() {
        "uncertain",
        0,
        0,
-       "of the reference closures, those whose overlap is within 0.05 of the threshold",
+       "of the reference closures, those whose overlap is within a fifth of the threshold",
        closure("/references/uncertain"),
        Over::sum,
        {}},
@@ -311,14 +311,14 @@ std::vector<Measure> closure_measures() {
                           "greatest recall at full precision; - where no threshold reaches it"));
   list.push_back(of_curve("f1", "F1", Figure::max_f1, Counting::all, "greatest F1 score"));
   list.push_back(of_curve("ap_certain", "AP certain", Figure::average_precision, Counting::certain,
-                          "average precision without pairs whose overlap is within 0.05 of the "
-                          "threshold"));
+                          "average precision without pairs whose overlap is within a fifth of "
+                          "the threshold"));
   list.push_back(of_curve("r1_certain", "R@1 certain", Figure::full_precision_recall,
                           Counting::certain, "greatest recall at full precision without them"));
   list.push_back(of_curve("ap_pose", "AP pose", Figure::average_precision,
                           Counting::with_right_pose,
                           "average precision where a closure is true only if its pose is within "
-                          "3 m and 10 degrees of the truth where the maps meet"));
+                          "3 m and 5 degrees of the truth where the maps meet"));
   list.push_back(of_curve("r1_pose", "R@1 pose", Figure::full_precision_recall,
                           Counting::with_right_pose, "greatest recall at full precision likewise"));
   return list;

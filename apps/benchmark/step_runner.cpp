@@ -100,7 +100,10 @@ class Runner {
   }
 
   std::vector<StepOutcome> run(const Progress& progress) {
-    const std::set<std::string> names = wanted(steps_, options_.only);
+    const std::set<std::string> names = options_.step.empty()
+                                            ? wanted(steps_, options_.only)
+                                            : std::set<std::string>{options_.step};
+    if (!options_.step.empty()) look_at_needs(*names_.at(options_.step));
     std::vector<const Step*> open;
     for (const Step& step : steps_) {
       if (!names.contains(step.name)) continue;
@@ -121,12 +124,19 @@ class Runner {
     }
     std::vector<StepOutcome> outcomes;
     for (const Step& step : steps_) {
-      if (outcomes_.contains(step.name)) outcomes.push_back(outcomes_.at(step.name));
+      if (names.contains(step.name)) outcomes.push_back(outcomes_.at(step.name));
     }
     return outcomes;
   }
 
  private:
+  void look_at_needs(const Step& step) {
+    for (const std::string& need : step.needs) {
+      const bool done = is_done(steps_, *names_.at(need), options_.out);
+      outcomes_[need] = {need, done ? State::done : State::blocked, ""};
+    }
+  }
+
   void start_what_can(std::vector<const Step*>& open, std::vector<Running>& running) {
     for (auto it = open.begin(); it != open.end();) {
       const Step& step = **it;

@@ -19,6 +19,7 @@ struct StepRunnerOptions {
   int threads = 0;                   ///< --threads of each; 0: its own choice
   int memory_mb = 0;                 ///< for all that run at a time; 0: what is free at the start
   std::vector<std::string> only;     ///< patterns of steps; those they need are run too
+  std::string step;  ///< this one alone; what it needs is done already, or it is blocked
 };
 
 struct StepOutcome {

@@ -50,6 +50,14 @@ void run(Arguments& arguments, const Context& context) {
     return;
   }
   stop_on_signals();
+  if (!runner.step.empty()) {
+    const StepOutcome outcome = run_one_step(request, make_progress(context));
+    end_progress();
+    if (outcome.state == StepOutcome::State::done) return;
+    throw std::runtime_error(
+        outcome.name + ": " +
+        (outcome.state == StepOutcome::State::failed ? "" : "it needs first ") + outcome.why);
+  }
   const BenchmarkSummary summary = run_benchmark(request, make_progress(context));
   end_progress();
   spdlog::info("{} of {} steps done, {} recordings or pairs not there; {}", summary.done,
@@ -91,6 +99,8 @@ void add_benchmark_command(CLI::App& app, Context& context) {
                    "pattern of steps (--list), with those they need; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--step", runner.step,
+                      "runs this step alone and makes no tables, as a scheduler's job does");
   command->add_flag("--list", arguments->list, "prints the steps and runs none");
   command->add_flag("--steps", arguments->steps, "prints them as JSON, for a scheduler");
   command

@@ -77,7 +77,7 @@ std::optional<std::vector<PairOverlap>> read_references(const std::filesystem::p
   const std::string first = std::string(kFirstLine) + std::to_string(fingerprint) + "\n" + kHeader;
   if (text.rfind(first, 0) != 0) return std::nullopt;
   std::vector<PairOverlap> pairs;
-  for_each_row(file, std::string_view(text).substr(first.size()), 2, [&](const TableRow& row) {
+  for_each_row(file, text, 2, [&](const TableRow& row) {
     row.expect_fields(9);
     pairs.push_back({{part_of(row, 0, parts), row.integer<int>(1)},
                      {part_of(row, 2, parts), row.integer<int>(3)},

@@ -33,6 +33,10 @@ Json ape_document(const TrajectoryEvaluation& e) {
   return to_json(e, TrajectoryEvaluationOptions{}).at("ape");
 }
 
+Json rpe_document(const TrajectoryEvaluation& e) {
+  return to_json(e, TrajectoryEvaluationOptions{}).at("rpe");
+}
+
 Json kitti_document(const TrajectoryEvaluation& e) {
   return to_json(e, TrajectoryEvaluationOptions{}).at("kitti");
 }
@@ -119,6 +123,8 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                        {"pairs", evaluation->optimised.pairs.size()},
                        {"odometry", ape_document(evaluation->odometry)},
                        {"optimised", ape_document(evaluation->optimised)}};
+    document["rpe"] = {{"odometry", rpe_document(evaluation->odometry)},
+                       {"optimised", rpe_document(evaluation->optimised)}};
     document["kitti"] = {{"odometry", kitti_document(evaluation->odometry)},
                          {"optimised", kitti_document(evaluation->optimised)}};
   }
