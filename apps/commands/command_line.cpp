@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -8,6 +10,7 @@
 #include "apps/commands/commands.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
+#include "frontend/core/spelling.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -29,6 +32,60 @@ void print_error(const char* what) {
     if (c == '\n' || c == '\r') c = ' ';
   }
   std::fprintf(stderr, "groundloop: %s\n", line.c_str());
+}
+
+std::vector<const CLI::App*> parsed_subcommands(const CLI::App& app) {
+  std::vector<const CLI::App*> parsed;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->parsed()) parsed.push_back(command);
+  }
+  return parsed;
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  return names;
+}
+
+// Of a command and, since they may follow it, of those around it.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command = &app; command != nullptr; command = command->get_parent()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  }
+  return names;
+}
+
+// The command whose words are being parsed: the innermost one that was named.
+const CLI::App& innermost(const CLI::App& app) {
+  const std::vector<const CLI::App*> named = parsed_subcommands(app);
+  return named.empty() ? app : innermost(*named.front());
+}
+
+// What is wrong with the words of the command line: the word that is refused, and the nearest that
+// exists where one is near.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = innermost(app);
+  const std::vector<std::string> words = app.remaining(true);
+  std::string path;
+  for (const CLI::App* part = &command; part != nullptr; part = part->get_parent())
+    path.insert(0, part->get_name() + " ");
+  const std::string help = "; see " + path + "--help";
+  if (words.empty()) return error.what() + help;
+  const std::string& word = words.front();
+  if (word.front() == '-') {
+    const std::string name = word.substr(0, word.find('='));
+    return "unknown option '" + name + "'" + suggestion(name, option_names(command)) + help;
+  }
+  if (const std::vector<std::string> known = command_names(command); !known.empty()) {
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+    return "unknown command '" + word + "'" + suggestion(word, known) + "; commands are " + list;
+  }
+  return "'" + word + "' is one word too many" + help;
 }
 
 }  // namespace
@@ -67,7 +124,7 @@ int run_command_line(int argc, const char* const* argv) {
   } catch (const CLI::Success& e) {
     return app.exit(e);
   } catch (const CLI::ParseError& e) {
-    print_error((std::string(e.what()) + "; see groundloop --help").c_str());
+    print_error(usage_error(app, e).c_str());
     return 2;
   } catch (const InputError& e) {
     print_error(e.what());

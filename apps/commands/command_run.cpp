@@ -38,6 +38,9 @@ void add_run_command(CLI::App& app, Context& context) {
   command->add_option("--topic", request.reading.topic, "point-cloud topic of a bag");
   command->add_option("--ground-truth", request.ground_truth,
                       "trajectory to compare with: TUM or KITTI");
+  command->add_option("--truth-frame", request.truth_frame,
+                      "what the poses of the ground truth are of: sensor, camera (by calib.txt), "
+                      "or a file with T_truth_sensor as a 4x4 matrix");
   command->add_option("--first", request.reading.first, "number of the first scan to use, from 0");
   command->add_option("--count", request.reading.count, "number of scans to use");
   command->add_flag("--resume", request.resume, "go on with the unfinished session in the folder");

@@ -1,11 +1,12 @@
 #include "apps/commands/evaluated_sessions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
 
-#include "apps/commands/run.hpp"
+#include "apps/commands/ground_truth.hpp"
 #include "backend/session/manifest.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
@@ -25,45 +26,45 @@ constexpr double kMaxRange = 100.0;  // m, as odometry crops scans
 // poses at most twice this apart.
 constexpr double kNearStamp = 0.5;  // s
 
-// Ground truth at any stamp that it covers, between its poses.
+// Ground truth of the sensor at any stamp that it covers, between its poses, at the instant of a
+// scan that odometry says its stamps name.
 class TruePoses {
  public:
-  TruePoses(Trajectory trajectory, const std::string& recording)
-      : trajectory_(std::move(trajectory)) {
-    if (trajectory_.empty()) {
-      throw InputError(recording + ": no ground truth comes with it; give it by --ground-truth");
-    }
-  }
+  explicit TruePoses(JudgedTruth truth)
+      : trajectory_(std::move(truth.poses)),
+        shift_(static_cast<Nanoseconds>(std::llround(truth.instant_s * 1e9))) {}
   [[nodiscard]] bool covers(Nanoseconds stamp) const {
-    const auto after = at_or_after(stamp);
+    const auto after =
+        std::lower_bound(trajectory_.begin(), trajectory_.end(), stamp + shift_,
+                         [](const StampedPose& p, Nanoseconds s) { return p.stamp < s; });
     const auto near = [&](Nanoseconds other) {
-      return std::abs(static_cast<double>(other - stamp)) * 1e-9 <= kNearStamp;
+      return std::abs(static_cast<double>(other - stamp - shift_)) * 1e-9 <= kNearStamp;
     };
     return (after != trajectory_.end() && near(after->stamp)) ||
            (after != trajectory_.begin() && near((after - 1)->stamp));
   }
-  [[nodiscard]] Pose at(Nanoseconds stamp) const {
-    const auto after = at_or_after(stamp);
-    if (after == trajectory_.end()) return trajectory_.back().pose;
-    if (after->stamp == stamp || after == trajectory_.begin()) return after->pose;
-    const StampedPose& before = *(after - 1);
-    const double s = static_cast<double>(stamp - before.stamp) /
-                     static_cast<double>(after->stamp - before.stamp);
-    return interpolate(before.pose, after->pose, s);
-  }
+  [[nodiscard]] Pose at(Nanoseconds stamp) const { return pose_at(trajectory_, stamp + shift_); }
 
  private:
-  [[nodiscard]] Trajectory::const_iterator at_or_after(Nanoseconds stamp) const {
-    return std::lower_bound(trajectory_.begin(), trajectory_.end(), stamp,
-                            [](const StampedPose& p, Nanoseconds s) { return p.stamp < s; });
-  }
   Trajectory trajectory_;
+  Nanoseconds shift_;
 };
 
-TruePoses true_poses(const EvaluatedPart& part, const Recording& recording) {
-  return {part.ground_truth.empty() ? recording.ground_truth()
-                                    : read_ground_truth(part.ground_truth, recording),
-          part.recording};
+// Frame and instant are what the session's odometry says; `say` puts them into the log.
+TruePoses true_poses(const EvaluatedPart& part, const Recording& recording, bool say) {
+  const GroundTruth truth = part.ground_truth.empty()
+                                ? own_ground_truth(recording)
+                                : read_ground_truth(part.ground_truth, "", recording);
+  if (truth.poses.empty()) {
+    throw InputError(part.recording + ": no ground truth comes with it; give it by --ground-truth");
+  }
+  JudgedTruth judged = judge_ground_truth(truth, part.odometry);
+  if (say) log_ground_truth(truth, judged);
+  if (!judged.trusted) {
+    throw InputError(truth.source + ": does not fit the odometry of " + part.session.string() +
+                     " in any frame; give the ground truth of this recording");
+  }
+  return TruePoses(std::move(judged));
 }
 
 // Points of a scan at the instant of its stamp, deskewed with the true motion.
@@ -161,7 +162,7 @@ EvaluatedSessions evaluated_sessions(const std::vector<EvaluatedPart>& parts) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const EvaluatedPart& part = parts[p];
     const std::unique_ptr<Recording> recording = open_any_recording(part.recording);
-    const TruePoses truth = true_poses(part, *recording);
+    const TruePoses truth = true_poses(part, *recording, true);
     std::size_t uncovered = 0, left_out = 0;
     for (std::size_t m = 0; m < part.maps.size(); ++m) {
       EvaluatedMap map;
@@ -204,7 +205,7 @@ void rebuild_points(const std::vector<EvaluatedPart>& parts, std::vector<Evaluat
   auto map = maps.begin();
   for (const EvaluatedPart& part : parts) {
     const std::unique_ptr<Recording> recording = open_any_recording(part.recording);
-    const TruePoses truth = true_poses(part, *recording);
+    const TruePoses truth = true_poses(part, *recording, false);
     const std::vector<std::size_t> numbers =
         find_scans(*recording, part.odometry, part.tables / "odometry.tum");
     for (const LocalMapRecord& record : part.maps) {

@@ -6,8 +6,8 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/detection.hpp"
+#include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
-#include "apps/commands/run.hpp"
 #include "apps/report/merge_documents.hpp"
 #include "backend/graph/g2o_file.hpp"
 #include "backend/map/map_assembly.hpp"
@@ -137,7 +137,7 @@ class KeptMatches {
 };
 
 // What came with the recording, or the file that was named; empty where neither can be read.
-Trajectory ground_truth_of(const SessionPart& part, const MergeRequest& request) {
+GroundTruth ground_truth_of(const SessionPart& part, const MergeRequest& request) {
   std::unique_ptr<Recording> recording;
   try {
     recording = open_any_recording(part.recording);
@@ -146,15 +146,16 @@ Trajectory ground_truth_of(const SessionPart& part, const MergeRequest& request)
   }
   const auto file = request.ground_truth.find(part.name);
   if (file == request.ground_truth.end())
-    return recording ? recording->ground_truth() : Trajectory();
-  return recording ? read_ground_truth(file->second, *recording) : read_tum(file->second);
+    return recording ? own_ground_truth(*recording) : GroundTruth();
+  return recording ? read_ground_truth(file->second, "", *recording)
+                   : read_ground_truth(file->second, "");
 }
 
 // Of every recording, read before the work begins. Throws InputError where a file that was named
 // cannot be used.
-std::map<std::string, Trajectory> read_ground_truths(const MergeRequest& request,
-                                                     const std::vector<StoredSession>& sessions) {
-  std::map<std::string, Trajectory> truths;
+std::map<std::string, GroundTruth> read_ground_truths(const MergeRequest& request,
+                                                      const std::vector<StoredSession>& sessions) {
+  std::map<std::string, GroundTruth> truths;
   for (const StoredSession& session : sessions) {
     for (const SessionPart& part : session.parts)
       truths[part.name] = ground_truth_of(part, request);
@@ -237,11 +238,19 @@ void write_tables(const SessionFolder& out, const MergeResult& result,
   database.save(out.file("loop_database.bin"));
 }
 
-std::vector<Trajectory> in_order(const MergeResult& result,
-                                 const std::map<std::string, Trajectory>& truths) {
-  std::vector<Trajectory> ordered;
-  for (const MergedPart& part : result.parts) ordered.push_back(truths.at(part.source->name));
-  return ordered;
+// Ground truth of every part, as poses of its sensor.
+std::vector<Trajectory> judged_truths(const MergeResult& result,
+                                      const std::map<std::string, GroundTruth>& truths) {
+  std::vector<Trajectory> judged;
+  for (const MergedPart& part : result.parts) {
+    const GroundTruth& truth = truths.at(part.source->name);
+    judged.emplace_back();
+    if (truth.poses.empty()) continue;
+    JudgedTruth of_part = judge_ground_truth(truth, part.odometry);
+    log_ground_truth(truth, of_part);
+    judged.back() = std::move(of_part.poses);
+  }
+  return judged;
 }
 
 std::string log_text(const MergeResult& result, const std::vector<ManifestLeftOut>& left_out) {
@@ -292,7 +301,7 @@ void merge_recordings(const MergeRequest& request, Context& context) {
   const std::vector<StoredSession> sessions = load_sessions(request, left_out);
   const std::optional<std::size_t> fixed = fixed_session(request, sessions);
   std::vector<PairMatches> matches = load_matches(request.matches);
-  const std::map<std::string, Trajectory> truths = read_ground_truths(request, sessions);
+  const std::map<std::string, GroundTruth> truths = read_ground_truths(request, sessions);
   SessionOutput output(request.out, identity, configuration, {request.overwrite, request.resume});
   if (output.state() == SessionOutput::State::finished) {
     spdlog::info("{}: the merge is finished; there is nothing to resume", request.out.string());
@@ -314,7 +323,7 @@ void merge_recordings(const MergeRequest& request, Context& context) {
     if (request.config.map.write) write_map(out, result, request.config.map, progress);
     const double map_seconds = seconds_since(map_start);
     end_progress();
-    const MergeEvaluation evaluation = evaluate_merge(result, in_order(result, truths));
+    const MergeEvaluation evaluation = evaluate_merge(result, judged_truths(result, truths));
     write_text_atomically(out.file("report.html"),
                           merge_report(result, evaluation, left_out, request.config));
     write_text_atomically(out.file("run.log"), log_text(result, left_out));

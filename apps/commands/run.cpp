@@ -8,6 +8,7 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/run_report.hpp"
 #include "apps/report/session_documents.hpp"
@@ -67,11 +68,18 @@ void write_map(const SessionFolder& folder, const SlamResult& result, double vox
 }
 
 // Whatever goes wrong with the evaluation, the session is what it is.
-std::optional<RunEvaluation> evaluate(const SlamResult& result, const Trajectory& ground_truth) {
-  if (ground_truth.empty()) return std::nullopt;
+std::optional<RunEvaluation> evaluate(const SlamResult& result, const GroundTruth& ground_truth) {
+  if (ground_truth.poses.empty()) return std::nullopt;
   try {
-    return RunEvaluation{evaluate_trajectory(result.odometry, ground_truth),
-                         evaluate_trajectory(result.solution.trajectory, ground_truth)};
+    JudgedTruth truth = judge_ground_truth(ground_truth, result.odometry);
+    RunEvaluation evaluation;
+    log_ground_truth(ground_truth, truth);
+    evaluation.odometry = evaluate_trajectory(result.odometry, truth.poses);
+    evaluation.optimised = evaluate_trajectory(result.solution.trajectory, truth.poses);
+    evaluation.ground_truth = std::move(truth.poses);
+    evaluation.frame = truth.frame;
+    evaluation.instant_s = truth.instant_s;
+    return evaluation;
   } catch (const InputError& e) {
     spdlog::warn("no errors against ground truth: {}", e.what());
     return std::nullopt;
@@ -151,15 +159,14 @@ Manifest manifest_of(const SessionFolder& session, const Recording& recording,
 
 // What comes after the map: errors, documents, and the manifest, which makes the session complete.
 void finish(SessionOutput& output, const Recording& recording, const RunRequest& request,
-            const Trajectory& ground_truth, SlamResult& result, double seconds) {
+            const GroundTruth& ground_truth, SlamResult& result, double seconds) {
   const SessionFolder& session = output.folder();
   result.times.total = result.seconds_before + seconds;
   const std::optional<RunEvaluation> evaluation = evaluate(result, ground_truth);
   write_text_atomically(session.file("metrics.json"),
                         metrics_document(result, evaluation).dump(2) + "\n");
-  write_text_atomically(
-      session.file("report.html"),
-      make_run_report(recording, request.config, result, ground_truth, evaluation, session));
+  write_text_atomically(session.file("report.html"),
+                        make_run_report(recording, request.config, result, evaluation, session));
   log_summary(result, evaluation);
   output.complete(manifest_of(session, recording, result));
   spdlog::info("report: {}", (request.out / "report.html").string());
@@ -167,48 +174,16 @@ void finish(SessionOutput& output, const Recording& recording, const RunRequest&
 
 }  // namespace
 
-Trajectory read_ground_truth(const fs::path& file, const Recording& recording) {
-  const std::string text = read_text(file);
-  std::size_t columns = 0;
-  std::size_t line_start = 0;
-  while (line_start < text.size() && columns == 0) {
-    const std::size_t end = std::min(text.find('\n', line_start), text.size());
-    bool inside = false;
-    if (text[line_start] != '#') {
-      for (std::size_t i = line_start; i < end; ++i) {
-        const bool space = text[i] == ' ' || text[i] == '\t' || text[i] == '\r';
-        columns += !space && !inside ? 1 : 0;
-        inside = !space;
-      }
-    }
-    line_start = end + 1;
-  }
-  if (columns == 8) return read_tum(file);
-  if (columns != 12) {
-    throw InputError(file.string() + ": " + std::to_string(columns) +
-                     " columns; 8 are TUM, 12 are KITTI");
-  }
-  const std::vector<Pose> poses = read_kitti_poses(file);
-  if (poses.size() != recording.size()) {
-    throw InputError(file.string() + ": " + std::to_string(poses.size()) + " poses for " +
-                     std::to_string(recording.size()) +
-                     " scans; KITTI ground truth has one row a scan");
-  }
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    trajectory.push_back({recording.stamp(i), poses[i]});
-  return trajectory;
-}
-
 void run_recording(const RunRequest& request, Context& context) {
   const auto start = Clock::now();
   validate_config(request.config);
   RecordingOptions reading = request.reading;
   reading.elevation_correction = request.config.recording.elevation_correction;
   const std::unique_ptr<Recording> recording = open_any_recording(request.recording, reading);
-  const Trajectory ground_truth = request.ground_truth.empty()
-                                      ? recording->ground_truth()
-                                      : read_ground_truth(request.ground_truth, *recording);
+  const GroundTruth ground_truth =
+      request.ground_truth.empty()
+          ? own_ground_truth(*recording)
+          : read_ground_truth(request.ground_truth, request.truth_frame, *recording);
   const std::string configuration = to_yaml(request.config);
   const SessionIdentity identity{"run", GROUNDLOOP_VERSION, recording_fingerprint(*recording),
                                  hex(checksum(configuration))};

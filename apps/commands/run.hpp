@@ -15,6 +15,7 @@ struct RunRequest {
   std::filesystem::path out;
   RecordingOptions reading;
   std::string ground_truth;  ///< file; empty: what came with the recording
+  std::string truth_frame;   ///< see apps/commands/ground_truth.hpp
   Config config;
   bool overwrite = false;
   bool resume = false;
@@ -24,9 +25,5 @@ struct RunRequest {
 /// after to standard error. What the end needs is checked at the start: ground truth that can be
 /// read and fits the scans, a folder that can be written, room on the disk.
 void run_recording(const RunRequest& request, Context& context);
-
-/// Ground truth from a file: 8 columns are TUM, 12 are KITTI, one row a scan. Throws InputError.
-[[nodiscard]] Trajectory read_ground_truth(const std::filesystem::path& file,
-                                           const Recording& recording);
 
 }  // namespace groundloop::apps

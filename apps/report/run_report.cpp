@@ -20,12 +20,11 @@ std::string fixed(double value, int decimals) {
 
 // T_world_scan of the ground truth at each scan that has a pose at its stamp.
 std::vector<std::optional<Pose>> true_poses(const SlamResult& result,
-                                            const Trajectory& ground_truth,
                                             const std::optional<RunEvaluation>& evaluation) {
   std::vector<std::optional<Pose>> by_scan(result.odometry.size());
   if (evaluation) {
     for (const auto& [scan, truth] : evaluation->optimised.pairs)
-      by_scan[scan] = ground_truth[truth].pose;
+      by_scan[scan] = evaluation->ground_truth[truth].pose;
   }
   return by_scan;
 }
@@ -89,7 +88,7 @@ ReportTable map_quality_table(const MapQuality& quality) {
 }  // namespace
 
 std::string make_run_report(const Recording& recording, const Config& config,
-                            const SlamResult& result, const Trajectory& ground_truth,
+                            const SlamResult& result,
                             const std::optional<RunEvaluation>& evaluation,
                             const SessionFolder& session) {
   const RecordingInfo& info = recording.info();
@@ -118,12 +117,12 @@ std::string make_run_report(const Recording& recording, const Config& config,
   for (const std::string& note : info.notes) input.facts.emplace_back("note", note);
   input.odometry = result.odometry;
   input.optimised = result.solution.trajectory;
-  input.ground_truth = ground_truth;
   if (evaluation) {
+    input.ground_truth = evaluation->ground_truth;
     input.odometry_evaluation = evaluation->odometry;
     input.optimised_evaluation = evaluation->optimised;
   }
-  const std::vector<std::optional<Pose>> truth = true_poses(result, ground_truth, evaluation);
+  const std::vector<std::optional<Pose>> truth = true_poses(result, evaluation);
   for (const ClosureRecord& closure : result.closures)
     input.closures.push_back(report_closure(closure, result, truth));
   const auto points = [&](int map) { return read_pcd(session.local_map(map)); };

@@ -10,10 +10,10 @@
 
 namespace groundloop::apps {
 
-/// The page report.html. `ground_truth` may be empty. Pictures are made of the local maps in
+/// The page report.html. Pictures are made of the local maps in
 /// `session`.
 [[nodiscard]] std::string make_run_report(const Recording& recording, const Config& config,
-                                          const SlamResult& result, const Trajectory& ground_truth,
+                                          const SlamResult& result,
                                           const std::optional<RunEvaluation>& evaluation,
                                           const SessionFolder& session);
 

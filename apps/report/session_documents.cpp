@@ -125,6 +125,8 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                        {"optimised", ape_document(evaluation->optimised)}};
     document["rpe"] = {{"odometry", rpe_document(evaluation->odometry)},
                        {"optimised", rpe_document(evaluation->optimised)}};
+    document["ground_truth"] = to_json(evaluation->frame);
+    document["ground_truth"]["instant_s"] = evaluation->instant_s;
     document["kitti"] = {{"odometry", kitti_document(evaluation->odometry)},
                          {"optimised", kitti_document(evaluation->optimised)}};
   }

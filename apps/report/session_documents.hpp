@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/evaluation/truth_frame.hpp"
 #include "backend/mapping/slam.hpp"
 #include "frontend/recordings/recording.hpp"
 
@@ -15,6 +16,9 @@ namespace groundloop::apps {
 /// Errors of both trajectories where there is ground truth.
 struct RunEvaluation {
   TrajectoryEvaluation odometry, optimised;
+  Trajectory ground_truth;  ///< of the sensor
+  TruthFrame frame;         ///< that it was in
+  double instant_s = 0.0;   ///< from the scans' stamps at which it fits best
 };
 
 [[nodiscard]] nlohmann::ordered_json recording_document(const RecordingInfo& info,

@@ -58,6 +58,25 @@ nlohmann::ordered_json to_json(const TrajectoryEvaluation& evaluation,
   return json;
 }
 
+nlohmann::ordered_json to_json(const TruthFrame& frame) {
+  const Pose& X = frame.T_truth_sensor;
+  nlohmann::ordered_json json{
+      {"frame", frame.name},
+      {"rotation_deg", rotation_angle(X.rotation) * 180.0 / M_PI},
+      {"lever_m", {X.translation.x(), X.translation.y(), X.translation.z()}},
+      {"found_from_motion", frame.found}};
+  if (frame.found) {
+    json["rotation_deviation_deg"] = frame.rotation_deviation_deg;
+    json["lever_deviation_m"] = frame.lever_deviation_m;
+  }
+  if (frame.told) {
+    json["fits"] = frame.fits;
+    json["disagreement_percent"] = frame.disagreement_percent;
+    json["disagreement_deg"] = frame.disagreement_deg;
+  }
+  return json;
+}
+
 std::string to_table(const TrajectoryEvaluation& evaluation,
                      const TrajectoryEvaluationOptions& options) {
   char line[200];

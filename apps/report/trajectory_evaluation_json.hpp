@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/evaluation/truth_frame.hpp"
 
 namespace groundloop::apps {
 
@@ -17,6 +18,8 @@ namespace groundloop::apps {
 /// {pairs, alignment, ..., ape, rpe, kitti}
 [[nodiscard]] nlohmann::ordered_json to_json(const TrajectoryEvaluation& evaluation,
                                              const TrajectoryEvaluationOptions& options);
+/// {frame, rotation_deg, lever_m: [x, y, z], found, fits, disagreement_percent, disagreement_deg}
+[[nodiscard]] nlohmann::ordered_json to_json(const TruthFrame& frame);
 [[nodiscard]] std::string to_table(const TrajectoryEvaluation& evaluation,
                                    const TrajectoryEvaluationOptions& options);
 

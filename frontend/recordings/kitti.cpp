@@ -22,29 +22,6 @@ bool is_sequence(const fs::path& folder) {
   return fs::is_directory(folder / "velodyne", error);
 }
 
-// T_camera_lidar: the line "Tr:" or "Tr" of calib.txt.
-Pose read_calibration(const fs::path& file) {
-  std::istringstream text(read_text(file));
-  std::string line;
-  for (std::size_t number = 1; std::getline(text, line); ++number) {
-    std::istringstream fields(line);
-    std::string key;
-    fields >> key;
-    if (key != "Tr:" && key != "Tr" && key != "Tr_velo_to_cam:") continue;
-    const std::string where = file.string() + ":" + std::to_string(number) + ": ";
-    double rows[12];
-    for (double& value : rows) {
-      std::string field;
-      if (!(fields >> field) || !parse_double(field, value)) {
-        throw InputError(where + "'" + key + "' needs 12 numbers, a 3x4 matrix row by row");
-      }
-    }
-    return pose_from_matrix(rows, where);
-  }
-  throw InputError(file.string() +
-                   ": no line 'Tr:', which brings the poses from the camera to the LiDAR");
-}
-
 class KittiRecording final : public ScanFiles {
  public:
   explicit KittiRecording(const fs::path& sequence)
@@ -114,7 +91,7 @@ class KittiRecording final : public ScanFiles {
     }
     Pose T_camera_lidar;
     if (fs::exists(sequence / "calib.txt", error)) {
-      T_camera_lidar = read_calibration(sequence / "calib.txt");
+      T_camera_lidar = read_kitti_calibration(sequence / "calib.txt");
     } else {
       info_.notes.emplace_back(
           "There is no calib.txt; the poses are taken to be of the LiDAR itself.");
@@ -199,6 +176,28 @@ fs::path find_kitti_sequence(const fs::path& path) {
                      "); name the folder of one, e.g. " + found.front().string());
   }
   return found.front();
+}
+
+Pose read_kitti_calibration(const fs::path& file) {
+  std::istringstream text(read_text(file));
+  std::string line;
+  for (std::size_t number = 1; std::getline(text, line); ++number) {
+    std::istringstream fields(line);
+    std::string key;
+    fields >> key;
+    if (key != "Tr:" && key != "Tr" && key != "Tr_velo_to_cam:") continue;
+    const std::string where = file.string() + ":" + std::to_string(number) + ": ";
+    double rows[12];
+    for (double& value : rows) {
+      std::string field;
+      if (!(fields >> field) || !parse_double(field, value)) {
+        throw InputError(where + "'" + key + "' needs 12 numbers, a 3x4 matrix row by row");
+      }
+    }
+    return pose_from_matrix(rows, where);
+  }
+  throw InputError(file.string() +
+                   ": no line 'Tr:', which brings the poses from the camera to the LiDAR");
 }
 
 std::unique_ptr<Recording> open_kitti(const fs::path& sequence) {

@@ -16,6 +16,9 @@ namespace groundloop::recordings {
 /// the path is none of these. Throws InputError where several sequences leave the choice open.
 [[nodiscard]] std::filesystem::path find_kitti_sequence(const std::filesystem::path& path);
 
+/// T_camera_lidar of a calib.txt: its line "Tr:". Throws InputError where there is none.
+[[nodiscard]] Pose read_kitti_calibration(const std::filesystem::path& file);
+
 [[nodiscard]] std::unique_ptr<Recording> open_kitti(const std::filesystem::path& sequence);
 
 }  // namespace groundloop::recordings

@@ -21,6 +21,8 @@ struct RecordingInfo {
   std::string stamp_source;  ///< e.g. "times.txt", "file names (ns)", "assumed 10 Hz"
   std::vector<std::string> fields;  ///< fields of a point record
   std::vector<std::string> notes;   ///< corrections applied, assumptions made, one sentence each
+  /// Where only a range of the scans is used: the number of the first, and how many there are.
+  std::size_t first_scan = 0, scans_in_all = 0;
   /// Scans that were seen but set aside or put right, counted by the source.
   std::size_t out_of_order = 0, duplicates = 0, gaps = 0, dropped_scans = 0;
 };

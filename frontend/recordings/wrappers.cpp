@@ -29,6 +29,8 @@ class Slice final : public Wrapped {
  public:
   Slice(std::unique_ptr<Recording> inner, std::size_t first, std::size_t count)
       : Wrapped(std::move(inner)), first_(first), count_(count) {
+    info_.first_scan = first_;
+    info_.scans_in_all = inner_->size();
     info_.notes.push_back("Scans " + std::to_string(first_) + " to " +
                           std::to_string(first_ + count_ - 1) + " of " +
                           std::to_string(inner_->size()) + " are used.");

@@ -175,6 +175,32 @@ TEST(Run, OutputThatCannotBeWrittenIsNamed) {
       {"/proc/nowhere/out", "--out"});
 }
 
+TEST(Run, GroundTruthIsTestedBeforeTheWorkBegins) {
+  const TemporaryFolder folder;
+  const KittiFolder kitti(folder / "recording");
+  const auto run_with = [&](const std::string& name, const std::string& text) {
+    KittiFolder::write(folder / name, text);
+    return run_command({"run", (folder / "recording").string(), "--out", (folder / "out").string(),
+                        "--ground-truth", (folder / name).string()});
+  };
+  expect_input_error(run_with("late.tum", "900 0 0 0 0 0 0 1\n901 1 0 0 0 0 0 1\n"),
+                     {"late.tum", "no pose lies at a scan's stamp", "900.0"});
+  expect_input_error(run_with("rows.txt", KittiFolder::pose_lines(3)), {"rows.txt", "3 poses"});
+  expect_input_error(run_with("columns.txt", "1 2 3\n"), {"columns.txt", "3 columns"});
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(Run, RowsOfTheWholeRecordingServeAPartOfIt) {
+  const TemporaryFolder folder;
+  const KittiFolder kitti(folder / "recording");
+  KittiFolder::write(folder / "truth.txt", KittiFolder::pose_lines(4));
+  const auto result = run_command({"run", (folder / "recording").string(), "--out",
+                                   (folder / "out").string(), "--first", "1", "--count", "2",
+                                   "--ground-truth", (folder / "truth.txt").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_NE(result.standard_error.find("APE"), std::string::npos) << result.standard_error;
+}
+
 TEST(Run, RefusesAFolderOfOtherFiles) {
   const TemporaryFolder folder;
   const KittiFolder kitti(folder / "recording");
@@ -184,6 +210,17 @@ TEST(Run, RefusesAFolderOfOtherFiles) {
       run_command({"run", (folder / "recording").string(), "--out", (folder / "thesis").string()}),
       {"thesis", "--out"});
   EXPECT_TRUE(fs::exists(folder / "thesis" / "final.tex"));
+}
+
+TEST(Run, WhatIsRefusedIsNamedWithTheNearestThatExists) {
+  expect_input_error(run_command({"frobnicate"}), {"'frobnicate'", "merge", "inspect"});
+  expect_input_error(run_command({"merg", "a", "b"}), {"'merg'", "did you mean 'merge'?"});
+  expect_input_error(run_command({"evaluate", "trajectoy"}), {"did you mean 'trajectory'?"});
+  expect_input_error(run_command({"run", "x", "--ouut", "y"}),
+                     {"'--ouut'", "did you mean '--out'?", "groundloop run --help"});
+  expect_input_error(run_command({"run", "x", "--out", "y", "--treads", "2"}),
+                     {"did you mean '--threads'?"});
+  expect_input_error(run_command({"config", "default", "more"}), {"'more'"});
 }
 
 TEST(Run, UnknownSubcommandAndMissingOptionsAreUsageErrors) {
