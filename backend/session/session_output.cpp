@@ -102,12 +102,22 @@ void require_same(const SessionFolder& folder, const SessionIdentity& there,
                    "; it cannot be resumed as this one, choose another --out");
 }
 
+bool is_session_name(const std::string& name) {
+  const auto in = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return in(SessionFolder::lasting_files()) || in(SessionFolder::other_files()) ||
+         name == "local_maps" || name == "matches" || name == "sessions";
+}
+
+// Files that are no session's, under another name where the new session has a file of that name.
 void move_foreign_files(const fs::path& from, const fs::path& to) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
-    const fs::path destination = to / entry.path().filename();
-    if (!fs::exists(fs::symlink_status(destination, error)))
-      fs::rename(entry.path(), destination, error);
+    if (is_session_name(entry.path().filename().string())) continue;  // could not be removed
+    fs::path destination = to / entry.path().filename();
+    while (fs::exists(fs::symlink_status(destination, error))) destination += ".old";
+    fs::rename(entry.path(), destination, error);
   }
   fs::remove(from, error);
 }
@@ -124,13 +134,16 @@ void finish_replacing(const fs::path& target) {
   const fs::path fresh = beside(target, "new");
   if (!fs::exists(target, error) && fs::exists(old, error)) fs::rename(old, target, error);
   if (!marked(target)) return;
-  // The new session is in place; what stands beside is the old one.
+  // The new session is in place; what stands beside is the old one. The mark stays until that is
+  // gone, so that what could not be moved this time is moved the next.
+  bool gone = true;
   for (const fs::path& retired : {old, fresh}) {
     if (!fs::is_directory(retired, error)) continue;
     remove_session_files(SessionFolder(retired));
     move_foreign_files(retired, target);
+    gone = gone && !fs::exists(retired, error);
   }
-  fs::remove(target / kReplacementMark, error);
+  if (gone) fs::remove(target / kReplacementMark, error);
 }
 
 }  // namespace
@@ -195,8 +208,24 @@ SessionOutput::SessionOutput(const fs::path& path, const SessionIdentity& identi
                     "another and replaces it once that is complete"));
   }
   require_same(work_, there.identity, identity_, configuration);
+  go_on(there, configuration);
+}
+
+// A session with this identity is there, whole or not.
+void SessionOutput::go_on(const Manifest& there, const std::string& configuration) {
   stage_ = there.stage;
-  state_ = complete ? State::finished : State::resumed;
+  state_ = stage_ == SessionStage::complete ? State::finished : State::resumed;
+  if (state_ == State::finished) {
+    clear_unfinished();
+  } else {
+    write_text_atomically(work_.file("config.yaml"), configuration);
+  }
+}
+
+void SessionOutput::clear_unfinished() {
+  std::error_code error;
+  fs::remove(work_.file("checkpoint.bin"), error);
+  remove_numbered(work_.path() / "matches", ".csv");
 }
 
 // True where an earlier call has replaced the old session already, and nothing is left to go on
@@ -226,8 +255,7 @@ void SessionOutput::claim_beside(const std::string& configuration, bool resume) 
   if (has_manifest(work_) && marked(work_.path())) {
     const Manifest there = read_manifest(work_);
     if (resume && there.identity == identity_) {
-      stage_ = there.stage;
-      state_ = stage_ == SessionStage::complete ? State::finished : State::resumed;
+      go_on(there, configuration);
       if (state_ == State::finished) replace();
       return;
     }
@@ -242,8 +270,9 @@ void SessionOutput::claim_beside(const std::string& configuration, bool resume) 
 }
 
 void SessionOutput::begin(const std::string& configuration) {
-  write_text_atomically(work_.file("config.yaml"), configuration);
+  // The manifest first: from then on the folder is a session's.
   reached(SessionStage::started);
+  write_text_atomically(work_.file("config.yaml"), configuration);
 }
 
 void SessionOutput::reached(SessionStage stage) {
@@ -257,9 +286,7 @@ void SessionOutput::complete(Manifest manifest) {
   manifest.stage = stage_ = SessionStage::complete;
   manifest.identity = identity_;
   write_manifest(work_, manifest);
-  std::error_code error;
-  fs::remove(work_.file("checkpoint.bin"), error);
-  remove_numbered(work_.path() / "matches", ".csv");
+  clear_unfinished();
   if (work_.path() != target_) replace();
 }
 

@@ -59,6 +59,8 @@ class SessionOutput {
   [[nodiscard]] bool already_made() const;
   void claim_beside(const std::string& configuration, bool resume);
   void begin(const std::string& configuration);
+  void go_on(const Manifest& there, const std::string& configuration);
+  void clear_unfinished();
   void replace();
 
   std::filesystem::path target_;

@@ -35,18 +35,6 @@ fs::path real_drive() {
   return to / "kitti_00_keyframes";
 }
 
-// Checksums of the files that hold neither times nor logs.
-std::map<std::string, std::uint64_t> fingerprints(const fs::path& session) {
-  std::map<std::string, std::uint64_t> result;
-  for (const auto& entry : fs::recursive_directory_iterator(session)) {
-    if (!entry.is_regular_file()) continue;
-    const std::string name = fs::relative(entry.path(), session).string();
-    if (name == "metrics.json" || name == "run.log" || name == "report.html") continue;
-    result[name] = checksum_of_file(entry.path());
-  }
-  return result;
-}
-
 struct Errors {
   double translation, rotation;  // m, rad
 };
@@ -121,33 +109,6 @@ TEST(RealDrive, ClosesItsLoopsAndNoOthers) {
   const double optimised = metrics["ape"]["optimised"]["translation_m"]["rmse"];
   EXPECT_LT(optimised, 2.1);
   EXPECT_LT(optimised, 0.5 * odometry);
-}
-
-TEST(Run, GivesTheSameBytesFromOneThreadTwoThreadsAndAgain) {
-  const TemporaryFolder folder;
-  const std::string recording = "sim:town?sensor=spin16&length=400&seed=3";
-  for (const char* threads : {"1", "2"}) {
-    const auto result =
-        run_command({"--threads", threads, "run", recording, "--out", (folder / threads).string()});
-    ASSERT_EQ(result.exit_code, 0) << result.standard_error;
-  }
-  EXPECT_EQ(fingerprints(folder / "1"), fingerprints(folder / "2"));
-}
-
-TEST(Run, InterruptedAndResumedGivesTheBytesOfOneThatWasNot) {
-  const TemporaryFolder folder;
-  const std::string recording = "'sim:town?sensor=spin16&length=400&seed=3'";
-  const std::string run = std::string(GROUNDLOOP_BINARY) + " run " + recording + " --quiet --out ";
-  ASSERT_EQ(std::system((run + (folder / "whole").string()).c_str()), 0);
-  const int interrupted = std::system(
-      ("timeout -s INT 6 " + run + (folder / "parts").string() + " 2>/dev/null").c_str());
-  ASSERT_TRUE(WIFEXITED(interrupted));
-  if (WEXITSTATUS(interrupted) == 0)
-    GTEST_SKIP() << "this machine finished the run before it was interrupted";
-  EXPECT_FALSE(fs::exists(folder / "parts" / "trajectory.tum"));
-  ASSERT_TRUE(fs::exists(folder / "parts" / "checkpoint.bin"));
-  ASSERT_EQ(std::system((run + (folder / "parts").string() + " --resume").c_str()), 0);
-  EXPECT_EQ(fingerprints(folder / "whole"), fingerprints(folder / "parts"));
 }
 
 }  // namespace
