@@ -16,18 +16,16 @@ namespace {
 constexpr int kRotationBins = 360;
 constexpr std::size_t kHypotheses = 32;
 constexpr int kRefinements = 10;
-// Voting grows with the square of the matches. Maps with more are full of repetition, where the
-// nearest descriptors are as good as all of them.
-constexpr std::size_t kMaxMatches = 400;
 
 struct Matched {
   Eigen::Vector2d query, reference;
   double turn;  // orientation of the query keypoint less that of the reference keypoint
 };
 
-// How far an inlier may be off, in metres and radians.
+// How far an inlier may be off, in metres and radians, and whether its keypoints are its own.
 struct Tolerance {
   double radius, turn;
+  bool unique = true;
 };
 
 // Between two angles of (-pi, pi]: at most pi. What std::remainder gives, at a tenth of its cost.
@@ -36,14 +34,17 @@ double angle_between(double a, double b) {
   return difference > std::numbers::pi ? 2 * std::numbers::pi - difference : difference;
 }
 
-// The kMaxMatches with the nearest descriptors, nearest first.
-std::vector<KeypointMatch> nearest_matches(std::span<const KeypointMatch> matches) {
+// Those with the nearest descriptors, nearest first, where there are more than `limit`. Voting
+// grows with the square of the matches; maps with many are full of repetition, where the nearest
+// are as good as all of them.
+std::vector<KeypointMatch> nearest_matches(std::span<const KeypointMatch> matches,
+                                           std::size_t limit) {
   std::vector<KeypointMatch> result(matches.begin(), matches.end());
-  if (result.size() <= kMaxMatches) return result;
+  if (limit == 0 || result.size() <= limit) return result;
   std::stable_sort(
       result.begin(), result.end(),
       [](const KeypointMatch& a, const KeypointMatch& b) { return a.distance < b.distance; });
-  result.resize(kMaxMatches);
+  result.resize(limit);
   return result;
 }
 
@@ -62,8 +63,8 @@ std::vector<Matched> positions(const MapDescription& query, const MapDescription
   return result;
 }
 
-// Indices of matches within `radius` of the alignment, each keypoint once: the nearer descriptor
-// first, then the nearer point.
+// Indices of matches within `radius` of the alignment; where keypoints are to be unique each once:
+// the nearer descriptor first, then the nearer point.
 std::vector<std::size_t> inliers_of(const PlanarTransform& T, const std::vector<Matched>& points,
                                     std::span<const KeypointMatch> matches,
                                     const Tolerance& tolerance) {
@@ -85,10 +86,11 @@ std::vector<std::size_t> inliers_of(const PlanarTransform& T, const std::vector<
   });
   std::vector<std::size_t> chosen;
   for (const Near& n : near) {
-    const bool taken = std::any_of(chosen.begin(), chosen.end(), [&](std::size_t c) {
-      return matches[c].query == matches[n.index].query ||
-             matches[c].reference == matches[n.index].reference;
-    });
+    const bool taken =
+        tolerance.unique && std::any_of(chosen.begin(), chosen.end(), [&](std::size_t c) {
+          return matches[c].query == matches[n.index].query ||
+                 matches[c].reference == matches[n.index].reference;
+        });
     if (!taken) chosen.push_back(n.index);
   }
   std::sort(chosen.begin(), chosen.end());
@@ -114,7 +116,7 @@ Fitted refine(const PlanarTransform& start, double start_radius, const std::vect
               std::span<const KeypointMatch> matches, const Tolerance& tolerance) {
   Fitted best{start, inliers_of(start, points, matches, tolerance)};
   std::vector<std::size_t> support =
-      inliers_of(start, points, matches, {start_radius, tolerance.turn});
+      inliers_of(start, points, matches, {start_radius, tolerance.turn, tolerance.unique});
   for (int i = 0; i < kRefinements && support.size() >= 2; ++i) {
     const PlanarTransform T = fit(points, support);
     std::vector<std::size_t> inliers = inliers_of(T, points, matches, tolerance);
@@ -288,7 +290,8 @@ class Random {
 Fitted by_ransac(const std::vector<Matched>& points, std::span<const KeypointMatch> matches,
                  const ConsensusOptions& options, const Tolerance& tolerance, std::uint64_t seed) {
   const std::size_t n = points.size();
-  const std::size_t trials = ransac_trials(n, 6, options.miss_probability);
+  const std::size_t trials = options.trials > 0 ? static_cast<std::size_t>(options.trials)
+                                                : ransac_trials(n, 6, options.miss_probability);
   const std::size_t pairs = n * (n - 1) / 2;
   std::vector<std::size_t> best;
   const auto attempt = [&](std::size_t i, std::size_t j) {
@@ -301,13 +304,14 @@ Fitted by_ransac(const std::vector<Matched>& points, std::span<const KeypointMat
       for (std::size_t j = i + 1; j < n; ++j) attempt(i, j);
     }
   } else {
-    Random random(seed);
+    Random random(seed + static_cast<std::uint64_t>(options.seed) * 0x9e3779b97f4a7c15ULL);
     for (std::size_t t = 0; t < trials; ++t) {
       const std::size_t i = random.below(n), j = random.below(n - 1);
       attempt(i, j < i ? j : j + 1);
     }
   }
   if (best.size() < 2) return {};
+  if (!options.refinement) return {fit(points, best), best};
   return refine(fit(points, best), tolerance.radius, points, matches, tolerance);
 }
 
@@ -326,10 +330,12 @@ Consensus find_consensus(const MapDescription& query, const MapDescription& refe
                          std::uint64_t seed) {
   Consensus result;
   if (matches.size() < 2) return result;
-  const std::vector<KeypointMatch> nearest = nearest_matches(matches);
+  const std::vector<KeypointMatch> nearest =
+      nearest_matches(matches, static_cast<std::size_t>(options.max_matches));
   matches = nearest;
   const Tolerance tolerance{options.inlier_radius,
-                            options.orientation_gate_deg * std::numbers::pi / 180};
+                            options.orientation_gate_deg * std::numbers::pi / 180,
+                            options.unique_keypoints};
   std::vector<Matched> points = positions(query, reference, matches);
   Fitted fitted = options.method == "ransac" ? by_ransac(points, matches, options, tolerance, seed)
                                              : by_voting(points, matches, tolerance);
@@ -338,7 +344,7 @@ Consensus find_consensus(const MapDescription& query, const MapDescription& refe
     guided = matches_under(fitted.T, query, reference, options.inlier_radius, options.guided_bits);
     points = positions(query, reference, guided);
     Fitted again = refine(fitted.T, options.inlier_radius, points, guided,
-                          {options.guided_radius, tolerance.turn});
+                          {options.guided_radius, tolerance.turn, tolerance.unique});
     if (again.inliers.size() >= fitted.inliers.size()) {
       fitted = std::move(again);
       matches = guided;

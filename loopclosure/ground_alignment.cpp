@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "loopclosure/lowest_points.hpp"
 #include "loopclosure/voxel_normals.hpp"
 #include "loopclosure/wide.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 constexpr float kMaxExtent = 512.0F;             // m along x and y; the sampling grid stays bounded
 constexpr std::size_t kDirectionSamples = 2000;  // normals that candidate directions are sought in
 constexpr std::size_t kMaxPoints = 100000;       // a plane needs no more
-constexpr std::size_t kMaxCandidates = 6;
 constexpr std::size_t kMinGroundCells = 20;
 constexpr double kStopStep = 1e-6;  // m and rad
 
@@ -79,7 +79,8 @@ struct Candidate {
   Eigen::Vector3d direction;
   double share;
 };
-std::vector<Candidate> candidate_directions(const VoxelNormals& voxels, double gate) {
+std::vector<Candidate> candidate_directions(const VoxelNormals& voxels, double gate,
+                                            std::size_t most) {
   std::vector<Eigen::Vector3f> normals;
   const std::size_t stride = std::max<std::size_t>(1, voxels.size() / kDirectionSamples);
   for (std::size_t i = 0; i < voxels.size(); i += stride) {
@@ -88,7 +89,7 @@ std::vector<Candidate> candidate_directions(const VoxelNormals& voxels, double g
   const auto samples = static_cast<double>(std::max<std::size_t>(1, normals.size()));
   static const std::vector<Eigen::Vector3d> lattice = hemisphere();
   std::vector<Candidate> candidates;
-  while (candidates.size() < kMaxCandidates && !normals.empty()) {
+  while (candidates.size() < most && !normals.empty()) {
     std::size_t best = 0, best_count = 0;
     Eigen::MatrixX3f columns(static_cast<Eigen::Index>(normals.size()), 3);
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -236,6 +237,36 @@ Pose refine(Pose T, const std::vector<Eigen::Vector3d>& ground,
   return T;
 }
 
+// The paper's own: sampled along the map's z axis once, turned to the principal component of all
+// normals.
+Hypothesis along_own_axis(const VoxelNormals& voxels, LowestVoxels& grid, double gate) {
+  const std::vector<std::uint32_t>& lowest = grid.sample(Pose());
+  std::vector<Eigen::Vector3f> normals;
+  for (const std::uint32_t i : lowest) normals.push_back(voxels.normal(i));
+  Hypothesis result;
+  result.direction = principal_direction(normals, Eigen::Vector3d::UnitZ(), -1.0);
+  for (std::size_t i = 0; i < lowest.size(); ++i) {
+    if (std::abs(normals[i].cast<double>().dot(result.direction)) > gate) {
+      result.ground.push_back(lowest[i]);
+    }
+  }
+  return result;
+}
+
+Hypothesis best_hypothesis(const VoxelNormals& voxels, LowestVoxels& grid,
+                           const GroundAlignmentOptions& options) {
+  if (options.directions == 1) return along_own_axis(voxels, grid, options.normal_gate);
+  Hypothesis best;
+  for (const Candidate& candidate : candidate_directions(
+           voxels, options.normal_gate, static_cast<std::size_t>(options.directions))) {
+    // No direction has more ground cells than voxels that face it.
+    if (candidate.share * static_cast<double>(voxels.size()) * 1.5 < best.score) break;
+    Hypothesis hypothesis = evaluate(candidate.direction, voxels, grid, options.normal_gate);
+    if (hypothesis.score > best.score) best = std::move(hypothesis);
+  }
+  return best;
+}
+
 // Identity but for the height of the lowest voxels.
 GroundAlignment without_ground(const VoxelNormals& voxels, LowestVoxels& grid) {
   GroundAlignment result;
@@ -250,15 +281,10 @@ GroundAlignment without_ground(const VoxelNormals& voxels, LowestVoxels& grid) {
 }  // namespace
 
 GroundAlignment align_to_ground(const Points& map_points, const GroundAlignmentOptions& options) {
+  if (options.method == "lowest") return plane_of_lowest_points(map_points, options);
   const VoxelNormals voxels(map_points, options.cell_size, kMaxPoints);
   LowestVoxels grid(voxels, options.cell_size);
-  Hypothesis best;
-  for (const Candidate& candidate : candidate_directions(voxels, options.normal_gate)) {
-    // No direction has more ground cells than voxels that face it.
-    if (candidate.share * static_cast<double>(voxels.size()) * 1.5 < best.score) break;
-    Hypothesis hypothesis = evaluate(candidate.direction, voxels, grid, options.normal_gate);
-    if (hypothesis.score > best.score) best = std::move(hypothesis);
-  }
+  const Hypothesis best = best_hypothesis(voxels, grid, options);
   if (best.ground.size() < kMinGroundCells) return without_ground(voxels, grid);
 
   GroundAlignment result;

@@ -13,8 +13,9 @@ constexpr std::uint16_t kFar = 0x7fff;  // above any distance
 
 }  // namespace
 
-HammingForest::HammingForest(std::size_t trees, std::size_t leaf_size)
+HammingForest::HammingForest(std::size_t trees, std::size_t leaf_size, double max_imbalance)
     : leaf_size_(std::max<std::size_t>(1, leaf_size)),
+      max_imbalance_(max_imbalance),
       bit_stride_(std::clamp<std::size_t>(trees, 1, 256)),
       trees_(bit_stride_) {}
 
@@ -30,14 +31,20 @@ std::uint32_t HammingForest::leaf_node(const Tree& tree, const Descriptor& descr
   return node;
 }
 
-void HammingForest::insert(const Descriptor& descriptor) {
-  const auto id = static_cast<std::uint32_t>(descriptors_.size());
-  descriptors_.push_back(descriptor);
+void HammingForest::insert(std::span<const Descriptor> descriptors) {
+  const auto first = static_cast<std::uint32_t>(descriptors_.size());
+  descriptors_.insert(descriptors_.end(), descriptors.begin(), descriptors.end());
+  std::vector<std::uint32_t> touched;
   for (std::size_t t = 0; t < trees_.size(); ++t) {
-    const std::uint32_t node = leaf_node(trees_[t], descriptor);
-    Leaf& leaf = trees_[t].leaves[trees_[t].nodes[node].zero];
-    leaf.ids.push_back(id);
-    if (leaf.ids.size() > std::max(leaf_size_, leaf.unsplit_size)) split(t, node);
+    touched.clear();
+    for (std::uint32_t i = 0; i < descriptors.size(); ++i) {
+      const std::uint32_t node = leaf_node(trees_[t], descriptors[i]);
+      Leaf& leaf = trees_[t].leaves[trees_[t].nodes[node].zero];
+      leaf.ids.push_back(first + i);
+      // Named once, when it has just grown too large.
+      if (leaf.ids.size() == std::max(leaf_size_, leaf.unsplit_size) + 1) touched.push_back(node);
+    }
+    for (const std::uint32_t node : touched) split(t, node);
   }
 }
 
@@ -62,6 +69,11 @@ void HammingForest::split(std::size_t tree_index, std::uint32_t node) {
   }
   if (best == 256) {
     tree.leaves[leaf_index] = {ids, 2 * n};
+    return;
+  }
+  // |mean - 1/2| is half the imbalance over n. More descriptors may balance it: tried again.
+  if (static_cast<double>(best_imbalance) > 2 * max_imbalance_ * static_cast<double>(n)) {
+    tree.leaves[leaf_index] = {ids, n};
     return;
   }
   Leaf zero, one;

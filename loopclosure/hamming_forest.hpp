@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "loopclosure/loop_closure.hpp"
@@ -16,11 +17,14 @@ class HammingForest {
  public:
   /// Tree t of `trees` splits on bits t, t + trees, t + 2 trees, ...; one tree uses all bits. A
   /// leaf that holds more than `leaf_size` descriptors is split, on the bit whose mean is nearest
-  /// one half; where all its descriptors agree in all bits of the tree it is not.
-  explicit HammingForest(std::size_t trees = 1, std::size_t leaf_size = 100);
+  /// one half; where all its descriptors agree in all bits of the tree it is not, nor where no mean
+  /// is within `max_imbalance` of one half.
+  explicit HammingForest(std::size_t trees = 1, std::size_t leaf_size = 100,
+                         double max_imbalance = 0.5);
 
-  /// Adds a descriptor; its number is size() before.
-  void insert(const Descriptor& descriptor);
+  /// Adds descriptors, those of a map together: leaves are split once all of them are in their
+  /// leaves. The number of the first is size() before.
+  void insert(std::span<const Descriptor> descriptors);
 
   struct Match {
     std::uint32_t id = 0;
@@ -58,6 +62,7 @@ class HammingForest {
   void split(std::size_t tree, std::uint32_t node);
 
   std::size_t leaf_size_;
+  double max_imbalance_;
   std::size_t bit_stride_;  ///< trees at first
   std::vector<Descriptor> descriptors_;
   std::vector<Tree> trees_;

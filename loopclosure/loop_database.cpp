@@ -32,7 +32,20 @@ std::size_t trees_for(std::size_t trees, std::size_t descriptors) {
 
 HammingForest make_forest(const MatchingOptions& options) {
   return HammingForest(static_cast<std::size_t>(options.method == "tree" ? 1 : options.trees),
-                       static_cast<std::size_t>(options.leaf_size));
+                       static_cast<std::size_t>(options.leaf_size), options.max_imbalance);
+}
+
+// Of the matches of each feature of the query, in their order, the nearest alone.
+void keep_nearest(std::vector<KeypointMatch>& matches) {
+  std::vector<KeypointMatch> kept;
+  for (const KeypointMatch& match : matches) {
+    if (kept.empty() || kept.back().query != match.query) {
+      kept.push_back(match);
+    } else if (match.distance < kept.back().distance) {
+      kept.back() = match;
+    }
+  }
+  matches = std::move(kept);
 }
 
 }  // namespace
@@ -52,8 +65,8 @@ void LoopDatabase::insert(MapDescription description) {
 
 void LoopDatabase::insert_features(std::uint32_t index) {
   const std::vector<Descriptor>& descriptors = descriptions_[index].descriptors;
+  forest_.insert(descriptors);
   for (std::size_t i = 0; i < descriptors.size(); ++i) {
-    forest_.insert(descriptors[i]);
     origins_.push_back({index, static_cast<std::uint32_t>(i)});
   }
   if (options_.matching.method == "forest") {
@@ -81,6 +94,15 @@ bool LoopDatabase::is_candidate(const MapKey& reference, const MapKey& query) co
 }
 
 std::vector<std::vector<KeypointMatch>> LoopDatabase::match(const MapDescription& query) const {
+  std::vector<std::vector<KeypointMatch>> matches = all_matches(query);
+  if (options_.matching.nearest_only) {
+    for (std::vector<KeypointMatch>& of_map : matches) keep_nearest(of_map);
+  }
+  return matches;
+}
+
+std::vector<std::vector<KeypointMatch>> LoopDatabase::all_matches(
+    const MapDescription& query) const {
   std::vector<std::vector<KeypointMatch>> matches(descriptions_.size());
   const int bound = options_.matching.max_distance_bits;
   if (options_.matching.method == "exhaustive") {

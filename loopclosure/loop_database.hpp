@@ -53,6 +53,8 @@ class LoopDatabase {
                                                const LoopClosureOptions& options);
 
  private:
+  [[nodiscard]] std::vector<std::vector<KeypointMatch>> all_matches(
+      const MapDescription& query) const;
   [[nodiscard]] bool is_candidate(const MapKey& reference, const MapKey& query) const;
   /// Descriptions with at least `least` matches; where there are too many, those with the most.
   [[nodiscard]] std::vector<std::size_t> most_matched(

@@ -10,6 +10,8 @@ namespace groundloop {
 
 struct GroundAlignmentOptions {
   bool enabled = true;
+  std::string method = "normals";
+  int directions = 6;
   double cell_size = 1.0;
   double normal_gate = 0.95;
   int max_iterations = 10;
@@ -19,8 +21,15 @@ struct GroundAlignmentOptions {
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("enabled", self.enabled, OnOff{}, "", "off: maps are projected along their own z axis");
+    field(
+        "method", self.method, Choices{"normals", "lowest"}, "",
+        "normals: lowest voxels whose normals agree, as in the paper; lowest: a plane through the "
+        "lowest points alone, as its published code 2.0.2 has it");
+    field("directions", self.directions, Range{1, 6}, "",
+          "directions along which the lowest voxels are sought, for maps that lean; 1 is the map's "
+          "own z axis, as in the paper");
     field("cell_size", self.cell_size, Range{0.1, 10.0}, "m",
-          "edge of the voxels whose lowest are sampled");
+          "edge of the voxels, or with 'lowest' of the cells, whose lowest are sampled");
     field("normal_gate", self.normal_gate, Range{0.5, 0.9999}, "",
           "cosine to the principal normal above which a cell is ground");
     field("max_iterations", self.max_iterations, Range{0, 100}, "", "least-squares steps");
@@ -88,6 +97,8 @@ struct MatchingOptions {
   int max_references = 500;
   int max_distance_bits = 50;
   int leaf_size = 100;
+  double max_imbalance = 0.5;
+  bool nearest_only = false;
   int skipped_maps = 3;
 
   template <typename Self, typename Visitor>
@@ -101,6 +112,11 @@ struct MatchingOptions {
           "maps of a large database, those with the most matches, that consensus is sought with");
     field("leaf_size", self.leaf_size, Range{2, 10000}, "",
           "descriptors a leaf of the tree holds before it is split");
+    field("max_imbalance", self.max_imbalance, Range{0.0, 0.5}, "",
+          "a leaf is split only on a bit whose mean is this near to one half (the published tree: "
+          "0.1)");
+    field("nearest_only", self.nearest_only, OnOff{}, "",
+          "of a feature's matches in one map the nearest alone, as the published tree has it");
     field("skipped_maps", self.skipped_maps, Range{0, 1000}, "",
           "maps just before the query that are no candidates");
   }
@@ -111,6 +127,11 @@ struct ConsensusOptions {
   double inlier_radius = 1.5;
   int min_inliers = 3;
   double miss_probability = 1e-3;
+  int trials = 0;
+  int seed = 0;
+  int max_matches = 400;
+  bool unique_keypoints = true;
+  bool refinement = true;
   double orientation_gate_deg = 12.0;
   int guided_bits = 55;
   double guided_radius = 1.0;
@@ -125,6 +146,17 @@ struct ConsensusOptions {
           "candidates with fewer are not reported");
     field("miss_probability", self.miss_probability, Range{1e-9, 0.5}, "",
           "ransac: bound on the probability of missing six inliers");
+    field(
+        "trials", self.trials, Range{0, 1000000}, "",
+        "ransac: trials, as in the paper a fixed number; 0: as many as miss_probability asks for");
+    field("seed", self.seed, Range{0, 1000000}, "", "ransac: of the pairs that are tried");
+    field("max_matches", self.max_matches, Range{0, 1000000}, "",
+          "the nearest matches of a pair of maps that are looked at; 0: all, as in the paper");
+    field("unique_keypoints", self.unique_keypoints, OnOff{}, "",
+          "a keypoint counts in one inlier; off: in as many as match it, as in the paper");
+    field(
+        "refinement", self.refinement, OnOff{}, "",
+        "fit and count again while that finds more; off: one fit to the best set, as in the paper");
     field("orientation_gate_deg", self.orientation_gate_deg, Range{1.0, 180.0}, "deg",
           "inliers turn with the alignment to within this; 180 leaves orientations out");
     field("guided_bits", self.guided_bits, Range{0, 256}, "bits",

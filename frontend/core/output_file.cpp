@@ -103,6 +103,7 @@ OutputFile::OutputFile(fs::path file)
   std::error_code error;
   if (fs::is_directory(final_, error))
     throw InputError(final_.string() + ": is a folder; choose another name");
+  error.clear();
   if (final_.has_parent_path()) fs::create_directories(final_.parent_path(), error);
   if (error) fail(final_, "its folder cannot be made", error.value());
   fd_ = open_alone(temporary_, final_);

@@ -169,6 +169,45 @@ TEST(Consensus, VotingNeverHasFewerInliersThanTheConstructedSet) {
   }
 }
 
+TEST(Consensus, AsThePaperHasItKeypointsCountAsOftenAsTheyMatchAndOneFitIsTheLast) {
+  ConsensusOptions paper;
+  paper.method = "ransac";
+  paper.trials = 74;
+  paper.max_matches = 0;
+  paper.unique_keypoints = false;
+  paper.refinement = false;
+  paper.orientation_gate_deg = 180;
+  paper.guided_bits = 0;
+  Scene scene(11);
+  const PlanarTransform T{0.4, {-12, 30}};
+  scene.add_inliers(10, T, 0.3);
+  std::vector<KeypointMatch> doubled = scene.matches;
+  doubled.insert(doubled.end(), scene.matches.begin(), scene.matches.end());
+  const Consensus all = find_consensus(scene.query, scene.reference, doubled, paper);
+  EXPECT_EQ(all.inliers.size(), 20U);
+  EXPECT_NEAR(wrap_angle(all.T_query_reference.angle - T.angle), 0, 0.03);
+  paper.unique_keypoints = true;
+  EXPECT_EQ(find_consensus(scene.query, scene.reference, doubled, paper).inliers.size(), 10U);
+}
+
+TEST(Consensus, TooFewTrialsMissWhatTheSeedDecides) {
+  Scene scene(12);
+  scene.add_inliers(6, {0.4, {-12, 30}}, 0.3);
+  scene.add_outliers(120);
+  ConsensusOptions few;
+  few.method = "ransac";
+  few.guided_bits = 0;
+  few.trials = 200;  // each hits with probability 30 / (126 * 125): 0.32 in all
+  int hits = 0;
+  for (int seed = 0; seed < 60; ++seed) {
+    few.seed = seed;
+    const Consensus c = find_consensus(scene.query, scene.reference, scene.matches, few);
+    hits += c.inliers.size() >= 6 ? 1 : 0;
+  }
+  EXPECT_GT(hits, 8);
+  EXPECT_LT(hits, 32);
+}
+
 TEST(Consensus, RansacTrialsBoundTheProbabilityOfAMiss) {
   for (const std::size_t n : {10U, 50U, 200U}) {
     const std::size_t trials = ransac_trials(n, 6, 1e-3);

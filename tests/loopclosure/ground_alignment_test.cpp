@@ -125,6 +125,39 @@ TEST(GroundAlignment, DegenerateMapsHaveDefinedResults) {
   EXPECT_NEAR(align_to_ground(maps[1], {}).T_ground_map.translation.z(), -3.0, 1e-6);
 }
 
+TEST(GroundAlignment, AlongItsOwnAxisAloneStillLevelsAModerateTilt) {
+  GroundAlignmentOptions paper;
+  paper.directions = 1;
+  paper.min_quality = 0;
+  const Pose tilt(exp_so3({0.2, -0.15, 0}), Eigen::Vector3d(0, 0, 0.3));
+  const GroundAlignment ground = align_to_ground(moved(street(8), tilt), paper);
+  EXPECT_TRUE(ground.found);
+  EXPECT_LT(tilt_error_deg(ground, tilt), 0.2);
+}
+
+TEST(GroundAlignment, OfLowestPointsIsThePlaneThroughThem) {
+  GroundAlignmentOptions lowest;
+  lowest.method = "lowest";
+  lowest.cell_size = 5;
+  // One point in the middle of each cell, on the plane z = -3 + 0.03 x - 0.02 y, and one above.
+  Points points;
+  for (int i = -10; i < 10; ++i) {
+    for (int j = -10; j < 10; ++j) {
+      const float x = 5.0F * static_cast<float>(i) + 2.5F, y = 5.0F * static_cast<float>(j) + 2.5F;
+      points.emplace_back(x, y, -3 + 0.03F * x - 0.02F * y);
+      points.emplace_back(x, y, 3.0F);
+    }
+  }
+  const GroundAlignment ground = align_to_ground(points, lowest);
+  EXPECT_TRUE(ground.found);
+  EXPECT_EQ(ground.ground_cells, 400U);
+  const Eigen::Vector3d normal = Eigen::Vector3d(-0.03, 0.02, 1).normalized();
+  EXPECT_NEAR((ground.T_ground_map.rotation * normal).z(), 1.0, 1e-6);
+  EXPECT_NEAR((ground.T_ground_map * Eigen::Vector3d(0, 0, -3)).z(), 0.0, 1e-3);
+  EXPECT_FALSE(align_to_ground({}, lowest).found);
+  EXPECT_FALSE(align_to_ground({{0, 0, 1}, {9, 0, 1}, {0, 9, 1}}, lowest).found);
+}
+
 TEST(GroundAlignment, IgnoresAPointAtAMillionKilometres) {
   Points points = street(7);
   const GroundAlignment before = align_to_ground(points, {});

@@ -33,7 +33,7 @@ Descriptor flip_bits(Descriptor d, int count, std::mt19937_64& rng) {
 HammingForest forest_of(const std::vector<Descriptor>& descriptors, std::size_t trees,
                         std::size_t leaf_size) {
   HammingForest forest(trees, leaf_size);
-  for (const Descriptor& d : descriptors) forest.insert(d);
+  forest.insert(descriptors);
   return forest;
 }
 
@@ -101,11 +101,11 @@ TEST_P(ForestOf, ReportsNoMatchThatAnExhaustiveSearchDoesNotAndNoneTwice) {
 TEST_P(ForestOf, EqualDescriptorsStayInOneLeafAndArePartedOnceOneDiffers) {
   const Descriptor one = random_descriptors(1, 7)[0];
   HammingForest forest(trees(), 10);
-  for (int i = 0; i < 35; ++i) forest.insert(one);
+  for (int i = 0; i < 35; ++i) forest.insert(std::span(&one, 1));
   EXPECT_EQ(forest.leaves(), 1U);
   Descriptor other = one;
   other[0] ^= 1;  // bit 0 is one of the first tree's
-  for (int i = 35; i < 80; ++i) forest.insert(other);
+  for (int i = 35; i < 80; ++i) forest.insert(std::span(&other, 1));
   EXPECT_EQ(forest.leaves(), 2U);
   std::vector<HammingForest::Match> matches;
   forest.search(one, 0, matches);
@@ -139,12 +139,13 @@ TEST(HammingForest, WithTreesGivenUpIsAForestOfTheOthers) {
   HammingForest forest(16, 50);
   for (std::size_t i = 0; i < stored.size(); ++i) {
     if (i == 1000) forest.keep_trees(4);
-    forest.insert(stored[i]);
+    forest.insert(std::span(&stored[i], 1));
   }
   EXPECT_EQ(forest.trees(), 4U);
   forest.keep_trees(8);
   EXPECT_EQ(forest.trees(), 4U);
-  HammingForest late = forest_of(stored, 16, 50);
+  HammingForest late(16, 50);
+  for (const Descriptor& d : stored) late.insert(std::span(&d, 1));
   late.keep_trees(4);
   std::mt19937_64 rng(12);
   std::vector<HammingForest::Match> matches, expected;
@@ -155,6 +156,21 @@ TEST(HammingForest, WithTreesGivenUpIsAForestOfTheOthers) {
     ASSERT_EQ(matches.size(), expected.size());
     for (std::size_t m = 0; m < matches.size(); ++m) EXPECT_EQ(matches[m].id, expected[m].id);
   }
+}
+
+TEST(HammingForest, SplitsOnlyOnBitsThatAreBalancedEnough) {
+  // Bit 7 is set in one of four descriptors, every other bit in none: 0.25 from one half.
+  std::vector<Descriptor> stored(80, Descriptor{});
+  for (std::size_t i = 0; i < stored.size(); i += 4) stored[i][0] = 1U << 7;
+  HammingForest strict(1, 50, 0.24), lax(1, 50, 0.25);
+  strict.insert(stored);
+  lax.insert(stored);
+  EXPECT_EQ(strict.leaves(), 1U);
+  EXPECT_EQ(lax.leaves(), 2U);
+  EXPECT_EQ(lax.largest_leaf(), 60U);
+  // Once enough have come to balance it, it is split.
+  strict.insert(std::vector<Descriptor>(40, stored[0]));
+  EXPECT_EQ(strict.leaves(), 2U);
 }
 
 TEST(HammingForest, RecallFollowsFromTheBitsOfTheWay) {

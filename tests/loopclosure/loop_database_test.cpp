@@ -41,6 +41,35 @@ Points moved(const Points& points, const Pose& T) {
   return result;
 }
 
+TEST(LoopDatabase, KeepsTheNearestMatchOfAFeatureInEachMapWhereAskedTo) {
+  LoopClosureOptions options;
+  options.matching.method = "exhaustive";
+  MapDescription a, b, query;
+  a.key = {0, 0}, b.key = {0, 1}, query.key = {0, 9};
+  const auto add = [](MapDescription& d, int ones) {
+    d.keypoints.emplace_back(0.0F, 0.0F);
+    d.orientations.push_back(0.0F);
+    d.descriptors.push_back({(1ULL << ones) - 1, 0, 0, 0});
+  };
+  add(query, 0);
+  for (const int ones : {9, 4, 6}) add(a, ones);
+  for (const int ones : {12, 20}) add(b, ones);
+  for (const bool nearest : {false, true}) {
+    options.matching.nearest_only = nearest;
+    LoopDatabase database(options);
+    database.insert(a);
+    database.insert(b);
+    const auto matches = database.match(query);
+    ASSERT_EQ(matches.size(), 2U);
+    EXPECT_EQ(matches[0].size(), nearest ? 1U : 3U);
+    EXPECT_EQ(matches[1].size(), nearest ? 1U : 2U);
+    if (nearest) {
+      EXPECT_EQ(matches[0][0].distance, 4);
+      EXPECT_EQ(matches[1][0].distance, 12);
+    }
+  }
+}
+
 TEST(LoopDatabase, FindsAnotherViewOfAPlaceWithItsPoseInThreeDimensions) {
   const LoopClosureOptions options;
   LoopDatabase database(options);

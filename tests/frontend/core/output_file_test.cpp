@@ -37,6 +37,15 @@ TEST(OutputFile, LeavesNothingWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(OutputFile, ANameWithoutAFolderIsOneInTheCurrentFolder) {
+  const TemporaryFolder folder;
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  EXPECT_NO_THROW(write_text_atomically("a.txt", "text"));
+  fs::current_path(before);
+  EXPECT_EQ(read_text(folder / "a.txt"), "text");
+}
+
 TEST(OutputFile, HoldsWhatWasWrittenAndNothingElseStays) {
   const TemporaryFolder folder;
   std::string text;
