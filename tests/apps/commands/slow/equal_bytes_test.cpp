@@ -111,6 +111,41 @@ TEST_F(EqualBytes, OfARunThatWasKilledAgainAndAgain) {
   EXPECT_EQ(session_bytes(own_ / "out"), session_bytes(session(0)));
 }
 
+// A file system that is really full, where this machine lets one be made; then with room again.
+TEST_F(EqualBytes, OfARunWhoseDiskWasFull) {
+  const fs::path disk = own_ / "disk";
+  fs::create_directories(disk);
+  const auto mount = [&](const std::string& how) {
+    return std::system(
+        ("mount -t tmpfs -o " + how + " tmpfs '" + disk.string() + "' 2>/dev/null").c_str());
+  };
+  std::uintmax_t whole = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(session(0)))
+    whole += entry.is_regular_file() ? entry.file_size() : 0;
+  int refused = 0;
+  for (const double share : {0.3, 0.6, 0.9}) {
+    const auto bytes = static_cast<std::uintmax_t>(share * static_cast<double>(whole));
+    if (mount("size=" + std::to_string(std::max<std::uintmax_t>(bytes, 21'000'000))) != 0)
+      GTEST_SKIP() << "file systems cannot be mounted here";
+    std::vector<std::string> arguments = run_arguments(0, disk / "out");
+    const auto result = run_process(arguments, own_ / "log");
+    if (result.exit_code != 0) {
+      EXPECT_EQ(result.exit_code, 2) << result.standard_error;
+      EXPECT_NE(result.standard_error.find("make room on the disk"), std::string::npos)
+          << result.standard_error;
+      ++refused;
+      EXPECT_EQ(mount("remount,size=1g"), 0);
+      arguments.emplace_back("--resume");
+      if (!fs::exists(disk / "out" / "manifest.json")) arguments.pop_back();
+      const auto again = run_process(arguments, own_ / "log");
+      EXPECT_EQ(again.exit_code, 0) << again.standard_error;
+    }
+    EXPECT_EQ(session_bytes(disk / "out"), session_bytes(session(0)));
+    EXPECT_EQ(std::system(("umount '" + disk.string() + "'").c_str()), 0);
+  }
+  EXPECT_GE(refused, 1);
+}
+
 TEST_F(EqualBytes, OfAMergeWithAnyThreadsInAnyFolder) {
   ASSERT_EQ(run_process(merge_arguments(own_ / "a"), own_ / "log").exit_code, 0);
   EXPECT_GE(accepted(own_ / "a", true), 2);
