@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 SuitePlan plan_of(const BenchmarkRequest& request, const Suite& suite) {
-  return plan_suite(suite, {request.data, request.runner.out});
+  return plan_suite(suite,
+                    {request.data, request.runner.out, request.runner.groundloop.parent_path()});
 }
 
 // A folder of results is made here, or by an earlier call.

@@ -29,7 +29,7 @@ std::vector<std::string> configuration_arguments(const std::string& preset,
 class Planner {
  public:
   Planner(const Suite& suite, const BenchmarkFolders& folders)
-      : suite_(suite), data_(folders.data), out_(folders.out) {}
+      : suite_(suite), data_(folders.data), out_(folders.out), programs_(folders.programs) {}
 
   SuitePlan plan() {
     for (const SuiteRecording& recording : suite_.recordings) check(recording);
@@ -213,7 +213,8 @@ class Planner {
       detect.command.insert(detect.command.end(), config.begin(), config.end());
     } else {
       detect.groundloop = false;
-      Words words{{"out", detect.result.string()},
+      Words words{{"programs", programs_.string()},
+                  {"out", detect.result.string()},
                   {"session", sessions.front()},
                   {"reference", sessions.front()},
                   {"query", sessions.back()}};
@@ -301,7 +302,7 @@ class Planner {
   }
 
   const Suite& suite_;
-  fs::path data_, out_;
+  fs::path data_, out_, programs_;
   std::set<std::string> missing_;
   SuitePlan plan_;
 };

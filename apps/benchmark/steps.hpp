@@ -15,6 +15,7 @@ namespace groundloop::apps {
 struct BenchmarkFolders {
   std::filesystem::path data;  ///< relative paths of recordings start here
   std::filesystem::path out;
+  std::filesystem::path programs = {};  ///< {programs} of detectors: where groundloop itself lies
 };
 
 struct Step {

@@ -41,8 +41,9 @@ struct SuiteDetector {
   std::string name;        ///< of the row
   std::string repetition;  ///< as a configuration's
   /// The program and its arguments; {session}, {reference}, {query} and {out} stand for the
-  /// sessions' folders and the list to write. Empty: groundloop's own detector, `preset` and
-  /// `settings` over the configuration of the session.
+  /// sessions' folders and the list to write, {programs} for the folder of groundloop itself.
+  /// Empty: groundloop's own detector, `preset` and `settings` over the configuration of the
+  /// session.
   std::vector<std::string> command, pair_command;
   std::string preset;
   std::vector<std::string> settings;
