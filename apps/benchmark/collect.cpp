@@ -46,6 +46,7 @@ Result read_result(const ResultSource& source, const fs::path& out) {
   Result result = source.result;
   ResultDocuments documents;
   documents.metrics = document(source.metrics);
+  documents.session = document(source.session);
   documents.closures = document(source.closures);
   documents.step = document(step_stamp(out, source.measured_step));
   documents.expected_to_join = source.expected_to_join;

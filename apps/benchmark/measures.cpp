@@ -49,6 +49,17 @@ Extract ratio(std::string a, std::string b, double factor) {
   };
 }
 
+std::optional<double> detection(const ResultDocuments& d) {
+  double seconds = 0.0;
+  for (const char* stage : {"density_image", "features", "matching"}) {
+    const auto value = number_at(d.metrics, std::string("/timing_s/") + stage);
+    if (!value) return std::nullopt;
+    seconds += *value;
+  }
+  const auto maps = number_at(d.metrics, "/local_maps");
+  return maps && *maps > 0 ? std::optional<double>(1000 * seconds / *maps) : std::nullopt;
+}
+
 // The root mean square along x and y together.
 Extract horizontal(const std::string& stage) {
   return [stage](const ResultDocuments& d) {
@@ -71,6 +82,13 @@ std::optional<double> of_second(const ResultDocuments& d, const std::string& poi
     if (const auto value = number_at(by_reference, pointer)) return value;
   }
   return std::nullopt;
+}
+
+std::optional<double> f1_at_threshold(const ResultDocuments& d) {
+  const auto precision = number_at(d.closures, "/detector/at_threshold/precision");
+  const auto recall = number_at(d.closures, "/detector/at_threshold/recall");
+  if (!precision || !recall) return std::nullopt;
+  return *precision + *recall > 0 ? 2 * *precision * *recall / (*precision + *recall) : 0.0;
 }
 
 constexpr double kRightlyJoined = 3.0;  // m, as merge_documents has it of closures
@@ -269,6 +287,23 @@ std::vector<Measure> closure_measures() {
        closure("/detector/at_threshold/false_positives"),
        Over::sum,
        {}},
+      {"detection_precision",
+       "precision",
+       3,
+       1,
+       "of the reported closures that pass the detector's threshold",
+       closure("/detector/at_threshold/precision"),
+       Over::mean,
+       {}},
+      {"detection_recall",
+       "recall",
+       3,
+       1,
+       "of them, over the reference closures",
+       closure("/detector/at_threshold/recall"),
+       Over::mean,
+       {}},
+      {"detection_f1", "F1", 3, 1, "of these two", f1_at_threshold, Over::mean, {}},
       {"graph_true",
        "graph true",
        0,
@@ -576,6 +611,42 @@ std::vector<Measure> time_measures() {
   add("consensus", "consensus ms", "/local_maps", "consensus, a map");
   add("verification", "verification ms", "/local_maps", "verification by registration, a map");
   add("optimisation", "optimisation ms", "/scans", "optimisation, a scan");
+  list.push_back({"t_detection",
+                  "detection ms",
+                  2,
+                  -1,
+                  "busy milliseconds of density image, features and matching, a map",
+                  detection,
+                  Over::mean,
+                  {}});
+  const auto deviation = [&](const std::string& stage, const std::string& what) {
+    list.push_back({"s_" + stage,
+                    "deviation ms",
+                    2,
+                    0,
+                    "standard deviation of the same over the maps, " + what,
+                    metric("/timing_deviation_s/" + stage, 1000.0),
+                    Over::mean,
+                    {}});
+  };
+  deviation("ground_alignment", "ground alignment");
+  deviation("detection", "density image, features and matching");
+  deviation("consensus", "consensus");
+  list.push_back(
+      {"speed",
+       "scans/s",
+       1,
+       1,
+       "scans of the recording over the processor seconds of the step that this row is: a "
+       "whole run, or a detector's on a finished session",
+       [](const ResultDocuments& d) {
+         const auto scans = number_at(d.session, "/scans");
+         const auto seconds = number_at(d.step, "/processor_seconds");
+         if (!scans || !seconds || *seconds <= 0) return std::optional<double>();
+         return std::optional<double>(*scans / *seconds);
+       },
+       Over::mean,
+       {}});
   return list;
 }
 

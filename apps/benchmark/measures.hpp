@@ -18,6 +18,7 @@ namespace groundloop::apps {
 struct ResultDocuments {
   nlohmann::ordered_json metrics;   ///< metrics.json of the session, or of the merged one
   nlohmann::ordered_json closures;  ///< `evaluate closures --json`
+  nlohmann::ordered_json session;   ///< metrics.json of the session, of detectors' rows too
   nlohmann::ordered_json step;      ///< of the runner: processor seconds, memory
   bool expected_to_join = true;     ///< of a pair
 };

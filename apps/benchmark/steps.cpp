@@ -78,6 +78,8 @@ class Planner {
     std::vector<std::string> needed{r.path};
     needed.insert(needed.end(), r.needs.begin(), r.needs.end());
     if (!r.ground_truth.empty()) needed.push_back(r.ground_truth);
+    const std::string& frame = r.truth_frame;
+    if (!frame.empty() && frame != "sensor" && frame != "camera") needed.push_back(frame);
     std::string missing;
     for (const std::string& path : needed) {
       if (!fs::exists(absolute(path))) missing += (missing.empty() ? "" : ", ") + absolute(path);
@@ -108,7 +110,7 @@ class Planner {
       const std::string judge = add_evaluation({&r}, c, "", "", references, {step.name});
       ResultSource source = source_of("recording", r.name, r.group, c, references);
       source.step = judge;
-      source.metrics = step.result / "metrics.json";
+      source.metrics = source.session = step.result / "metrics.json";
       source.closures = document("closures", c, r.name, references);
       source.measured_step = step.name;
       plan_.sources.push_back(source);
@@ -231,6 +233,7 @@ class Planner {
                                              {needs.front(), detect.name});
     ResultSource source = source_of("", subject, group, c, references);
     source.result.kind = recordings.size() == 1 ? "recording" : "pair";
+    if (recordings.size() == 1) source.session = fs::path(sessions.front()) / "metrics.json";
     source.result.detector = d.name;
     if (!d.repetition.empty()) {
       source.result.repetition += (c.repetition.empty() ? "" : " ") + d.repetition;
@@ -278,6 +281,11 @@ class Planner {
     for (const SuiteRecording* r : recordings) {
       if (r->ground_truth.empty()) continue;
       arguments.insert(arguments.end(), {"--ground-truth", absolute(r->ground_truth)});
+    }
+    const std::string& frame = recordings.front()->truth_frame;
+    if (!frame.empty()) {
+      const bool word = frame == "sensor" || frame == "camera";
+      arguments.insert(arguments.end(), {"--truth-frame", word ? frame : absolute(frame)});
     }
     return arguments;
   }

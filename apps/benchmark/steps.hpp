@@ -32,6 +32,7 @@ struct Step {
 struct ResultSource {
   Result result;                            ///< without figures
   std::string step;                         ///< without which there is no result
+  std::filesystem::path session;            ///< metrics.json of the session of one recording
   std::filesystem::path metrics, closures;  ///< documents; empty where there is none
   std::string measured_step;                ///< whose processor time and memory count
   bool expected_to_join = true;

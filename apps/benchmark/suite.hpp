@@ -14,6 +14,7 @@ struct SuiteRecording {
   std::string group;  ///< recordings of one group share a row of the tables
   std::string path;   ///< file, folder or sim:...; relative to the data folder
   std::string format, topic, ground_truth;
+  std::string truth_frame;  ///< what `groundloop run --truth-frame` takes; a file lies in the data
   std::vector<std::string> options;     ///< further ones of `groundloop run`
   std::vector<std::string> needs;       ///< files and folders without which it is left out
   std::vector<std::string> references;  ///< poses that reference closures come from: truth, icp

@@ -29,8 +29,8 @@ std::string file_name(const SuiteNode& node, const std::string& name) {
 
 void add_recordings(const SuiteNode& root, Suite& suite) {
   for (const SuiteNode& node : root.entries("recordings")) {
-    node.expect_keys({"name", "group", "path", "format", "topic", "ground_truth", "options",
-                      "needs", "references", "memory_mb", "for"});
+    node.expect_keys({"name", "group", "path", "format", "topic", "ground_truth", "truth_frame",
+                      "options", "needs", "references", "memory_mb", "for"});
     SuiteRecording r;
     r.name = file_name(node, node.required("name"));
     r.group = node.text("group", r.name);
@@ -38,6 +38,7 @@ void add_recordings(const SuiteNode& root, Suite& suite) {
     r.format = node.text("format");
     r.topic = node.text("topic");
     r.ground_truth = node.text("ground_truth");
+    r.truth_frame = node.text("truth_frame");
     r.options = node.texts("options");
     r.needs = node.texts("needs");
     r.references = node.texts("references");

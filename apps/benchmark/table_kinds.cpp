@@ -69,6 +69,7 @@ const std::vector<TableKind>& table_kinds() {
        {"scans_per_map", "t_read", "t_odometry", "t_ground_alignment", "t_density_image",
         "t_features", "t_matching", "t_consensus", "t_verification", "t_optimisation",
         "scans_per_second", "processor", "memory"}},
+      {"speed", "Speed", "recording", true, "", {"speed"}},
   };
   return kinds;
 }

@@ -19,6 +19,7 @@ namespace {
 struct Arguments {
   std::vector<std::filesystem::path> sessions;
   std::vector<std::string> recordings, ground_truths;
+  std::string truth_frame;
   std::string reference_poses = "truth";
   std::string references, list, report;
   bool json = false;
@@ -79,8 +80,8 @@ void run(Arguments& arguments, const Context& context) {
   validate(options, "evaluate closures");
   validate(options.references, "evaluate closures");
   const Progress progress = make_progress(context);
-  const std::vector<EvaluatedPart> parts =
-      read_parts(arguments.sessions, arguments.recordings, arguments.ground_truths);
+  const std::vector<EvaluatedPart> parts = read_parts(
+      arguments.sessions, arguments.recordings, arguments.ground_truths, arguments.truth_frame);
   const std::vector<ReportedClosure> closures =
       arguments.list.empty() ? session_closures(parts) : read_closure_list(arguments.list, parts);
   EvaluatedSessions evaluated = evaluated_sessions(parts);
@@ -153,6 +154,9 @@ void add_evaluate_closures_command(CLI::App& app, Context& context) {
                    "trajectory taken as true, one a session (default: the recording's)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--truth-frame", arguments->truth_frame,
+                      "whose poses given ground truth holds: sensor, camera, or a file with the "
+                      "sensor's pose in that body (default: judged by the odometry)");
   command
       ->add_option("--reference-poses", arguments->reference_poses,
                    "truth, as the paper has it, or icp from there where ground truth differs "

@@ -54,7 +54,7 @@ class TruePoses {
 TruePoses true_poses(const EvaluatedPart& part, const Recording& recording, bool say) {
   const GroundTruth truth = part.ground_truth.empty()
                                 ? own_ground_truth(recording)
-                                : read_ground_truth(part.ground_truth, "", recording);
+                                : read_ground_truth(part.ground_truth, part.truth_frame, recording);
   if (truth.poses.empty()) {
     throw InputError(part.recording + ": no ground truth comes with it; give it by --ground-truth");
   }
@@ -144,7 +144,8 @@ void expect_one_each(const std::string& option, std::size_t given, std::size_t p
 
 std::vector<EvaluatedPart> read_parts(const std::vector<fs::path>& sessions,
                                       const std::vector<std::string>& recordings,
-                                      const std::vector<std::string>& ground_truths) {
+                                      const std::vector<std::string>& ground_truths,
+                                      const std::string& truth_frame) {
   std::vector<EvaluatedPart> parts;
   for (const fs::path& session : sessions) add_parts(SessionFolder(session), parts);
   expect_one_each("--recording", recordings.size(), parts.size());
@@ -152,6 +153,7 @@ std::vector<EvaluatedPart> read_parts(const std::vector<fs::path>& sessions,
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (!recordings.empty()) parts[i].recording = recordings[i];
     if (!ground_truths.empty()) parts[i].ground_truth = ground_truths[i];
+    parts[i].truth_frame = truth_frame;
     read_tables(parts[i]);
   }
   return parts;

@@ -17,6 +17,7 @@ namespace groundloop::apps {
 struct EvaluatedPart {
   std::string name;
   std::string recording;
+  std::string truth_frame;        ///< of that file, see ground_truth.hpp
   std::string ground_truth;       ///< a file, or empty: the recording's own
   std::filesystem::path session;  ///< folder of the session it belongs to
   std::filesystem::path tables;   ///< folder of its odometry.tum and local_maps.csv
@@ -29,7 +30,7 @@ struct EvaluatedPart {
 /// manifests name, one a part; empty leaves them.
 [[nodiscard]] std::vector<EvaluatedPart> read_parts(
     const std::vector<std::filesystem::path>& sessions, const std::vector<std::string>& recordings,
-    const std::vector<std::string>& ground_truths);
+    const std::vector<std::string>& ground_truths, const std::string& truth_frame);
 
 struct EvaluatedSessions {
   std::vector<EvaluatedMap> maps;  ///< keys count parts and the maps in each
