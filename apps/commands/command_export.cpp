@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,10 +8,9 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/progress_bar.hpp"
+#include "apps/commands/session_pieces.hpp"
 #include "backend/map/map_assembly.hpp"
-#include "backend/session/manifest.hpp"
 #include "backend/session/session.hpp"
-#include "frontend/core/error.hpp"
 
 namespace groundloop::apps {
 namespace fs = std::filesystem;
@@ -25,80 +23,8 @@ struct Arguments {
   MapAssemblyOptions options;
 };
 
-// The maps of a merged session that are in the first recording's frame, each with the place of its
-// recording; a session of one recording has them all.
-struct Pieces {
-  std::vector<MapPiece> pieces;
-  std::size_t sessions = 1;
-  std::vector<std::string> apart;  // recordings in frames of their own, which the map cannot hold
-};
-
-// How the local maps of a session lie: bent as its trajectory says, or, where a session holds no
-// trajectories, each at its one pose.
-class Layout {
- public:
-  Layout(const SessionFolder& session, const std::vector<LocalMapRecord>& maps)
-      : session_(session) {
-    const fs::path odometry = session.file("odometry.tum");
-    const fs::path trajectory = session.file("trajectory.tum");
-    if (!fs::exists(odometry) || !fs::exists(trajectory)) return;
-    odometry_ = read_tum(odometry);
-    trajectory_ = read_tum(trajectory);
-    for (const LocalMapRecord& map : maps) {
-      if (map.first_scan <= map.last_scan &&
-          map.last_scan < std::min(odometry_.size(), trajectory_.size()))
-        continue;
-      throw InputError(session.file("local_maps.csv").string() + ": map " +
-                       std::to_string(map.map) +
-                       " holds scans that odometry.tum or trajectory.tum do not; make the session "
-                       "again");
-    }
-  }
-
-  [[nodiscard]] MapPiece piece(const LocalMapRecord& map, std::uint16_t recording) const {
-    const fs::path file = session_.local_map(map.map);
-    if (trajectory_.empty()) return rigid_piece(file, map.T_world_map, recording);
-    return bent_piece(file, map, odometry_, trajectory_, recording);
-  }
-
- private:
-  const SessionFolder& session_;
-  Trajectory odometry_, trajectory_;
-};
-
-Pieces pieces_of(const SessionFolder& session) {
-  Pieces result;
-  const std::vector<LocalMapRecord> maps = read_local_maps(session.file("local_maps.csv"));
-  const Layout layout(session, maps);
-  const Manifest manifest = has_manifest(session) ? read_complete_manifest(session) : Manifest();
-  if (!manifest.merged()) {
-    for (const LocalMapRecord& map : maps) result.pieces.push_back(layout.piece(map, 0));
-    return result;
-  }
-  result.sessions = manifest.parts.size();
-  for (std::size_t p = 0; p < manifest.parts.size(); ++p) {
-    const ManifestPart& part = manifest.parts[p];
-    if (part.frame != manifest.parts.front().frame) {
-      result.apart.push_back(part.name);
-      continue;
-    }
-    const auto first = static_cast<int>(part.first_map);
-    const int last = first + static_cast<int>(part.local_maps);
-    for (const LocalMapRecord& map : maps) {
-      if (map.map < first || map.map >= last) continue;
-      result.pieces.push_back(layout.piece(map, static_cast<std::uint16_t>(p)));
-    }
-  }
-  return result;
-}
-
 void run(const Arguments& arguments, const Context& context) {
   const SessionFolder session{fs::path(arguments.session)};
-  if (!fs::exists(session.file("local_maps.csv"))) {
-    throw InputError(arguments.session +
-                     ": is no session (local_maps.csv is missing); give a folder that `groundloop "
-                     "run` or `merge` has finished");
-  }
   const auto [pieces, sessions, apart] = pieces_of(session);
   for (const std::string& name : apart) {
     spdlog::warn(

@@ -29,6 +29,7 @@ void add_config_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);
 void add_evaluate_closures_command(CLI::App& evaluate, Context& context);
+void add_evaluate_map_command(CLI::App& evaluate, Context& context);
 
 /// Runs the command line; returns the exit code: 0, 1 (failed internal check), 2 (bad input or
 /// usage), 130 (interrupted).

@@ -2,62 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <map>
-#include <span>
 
+#include "backend/map/point_tiles.hpp"
 #include "backend/registration/voxel_pyramid.hpp"
-#include "frontend/core/output_file.hpp"
 #include "frontend/core/pcd.hpp"
 
 namespace groundloop {
 namespace {
-
-// A point in the temporary file: metres from its tile's corner.
-struct TilePoint {
-  Eigen::Vector3f offset;
-  std::uint16_t session;
-  std::uint16_t unused;
-};
-static_assert(sizeof(TilePoint) == 16);
-
-struct Chunk {
-  std::uint64_t offset;  // bytes
-  std::uint64_t count;   // points
-};
-
-struct TileKey {
-  std::int32_t x;
-  std::int32_t y;
-  friend auto operator<=>(const TileKey&, const TileKey&) = default;
-};
-
-// Points sorted into tiles on disk; gone with the object.
-class TileFile {
- public:
-  explicit TileFile(const std::filesystem::path& folder) : file_(folder) {}
-
-  void append(const TileKey& tile, const std::vector<TilePoint>& points) {
-    const std::uint64_t at = file_.append(std::as_bytes(std::span(points)));
-    chunks_[tile].push_back({at, points.size()});
-  }
-
-  [[nodiscard]] const std::map<TileKey, std::vector<Chunk>>& chunks() const { return chunks_; }
-
-  [[nodiscard]] std::vector<TilePoint> read(const std::vector<Chunk>& chunks) const {
-    std::vector<TilePoint> points;
-    for (const Chunk& chunk : chunks) {
-      const std::size_t at = points.size();
-      points.resize(at + chunk.count);
-      file_.read(chunk.offset, std::as_writable_bytes(std::span(points).subspan(at)));
-    }
-    return points;
-  }
-
- private:
-  ScratchFile file_;
-  std::map<TileKey, std::vector<Chunk>> chunks_;
-};
 
 // A whole number of voxels, so that no voxel lies in two tiles.
 double tile_edge(const MapAssemblyOptions& options) {
@@ -98,22 +49,6 @@ class Placements {
   std::vector<std::uint32_t> nearest_;
 };
 
-void sort_into_tiles(const MapPiece& piece, double edge, TileFile& file) {
-  std::map<TileKey, std::vector<TilePoint>> tiles;
-  Placements placements(piece);
-  for (const Eigen::Vector3f& point : read_pcd(piece.file)) {
-    if (!point.allFinite()) continue;
-    const Eigen::Vector3d world = placements.in_world(point);
-    const double x = std::floor(world.x() / edge);
-    const double y = std::floor(world.y() / edge);
-    if (!(std::abs(x) < 1e9 && std::abs(y) < 1e9)) continue;
-    const Eigen::Vector3d offset = world - Eigen::Vector3d(x * edge, y * edge, 0.0);
-    tiles[{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)}].push_back(
-        {offset.cast<float>(), piece.session, 0});
-  }
-  for (const auto& [tile, points] : tiles) file.append(tile, points);
-}
-
 // One point a voxel: the mean, and the session that saw the voxel first.
 std::vector<ExportPoint> downsample(const std::vector<TilePoint>& points, double voxel_size,
                                     const Eigen::Vector3d& corner) {
@@ -130,7 +65,8 @@ std::vector<ExportPoint> downsample(const std::vector<TilePoint>& points, double
     const auto next = static_cast<std::uint32_t>(sums.size());
     const std::uint32_t number =
         table.find_or_insert(voxel_key(voxel_of(point.offset, inverse)), next);
-    if (number == next) sums.push_back({Eigen::Vector3d::Zero(), 0.0, point.session});
+    if (number == next)
+      sums.push_back({Eigen::Vector3d::Zero(), 0.0, static_cast<std::uint16_t>(point.tag)});
     sums[number].position += point.offset.cast<double>();
     sums[number].count += 1.0;
   }
@@ -149,11 +85,8 @@ std::uint64_t assemble_all_points(const std::vector<MapPiece>& pieces, PointClou
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     report(progress, i, pieces.size());
     std::vector<ExportPoint> points;
-    Placements placements(pieces[i]);
-    for (const Eigen::Vector3f& point : read_pcd(pieces[i].file)) {
-      if (!point.allFinite()) continue;
-      points.push_back({placements.in_world(point), pieces[i].session});
-    }
+    for (const Eigen::Vector3d& point : points_in_world(pieces[i]))
+      points.push_back({point, pieces[i].session});
     writer.write(points);
   }
   report(progress, pieces.size(), pieces.size());
@@ -161,6 +94,15 @@ std::uint64_t assemble_all_points(const std::vector<MapPiece>& pieces, PointClou
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> points_in_world(const MapPiece& piece) {
+  std::vector<Eigen::Vector3d> points;
+  Placements placements(piece);
+  for (const Eigen::Vector3f& point : read_pcd(piece.file)) {
+    if (point.allFinite()) points.push_back(placements.in_world(point));
+  }
+  return points;
+}
 
 MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
                      std::uint16_t session) {
@@ -186,18 +128,15 @@ std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssembl
                            const Progress& progress) {
   validate(options, "map");
   if (options.voxel_size == 0.0) return assemble_all_points(pieces, writer, progress);
-  TileFile file(folder);
-  const double edge = tile_edge(options);
+  PointTiles tiles(folder, tile_edge(options));
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     report(progress, i, 2 * pieces.size());
-    sort_into_tiles(pieces[i], edge, file);
+    tiles.add(points_in_world(pieces[i]), pieces[i].session);
   }
-  const std::size_t tiles = file.chunks().size();
-  std::size_t done = 0;
-  for (const auto& [tile, chunks] : file.chunks()) {
-    report(progress, pieces.size() + done++ * pieces.size() / tiles, 2 * pieces.size());
-    writer.write(
-        downsample(file.read(chunks), options.voxel_size, {tile.x * edge, tile.y * edge, 0.0}));
+  const std::vector<PointTiles::Key> keys = tiles.keys();
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    report(progress, pieces.size() + k * pieces.size() / keys.size(), 2 * pieces.size());
+    writer.write(downsample(tiles.read(keys[k]), options.voxel_size, tiles.corner(keys[k])));
   }
   report(progress, 2 * pieces.size(), 2 * pieces.size());
   return writer.count();

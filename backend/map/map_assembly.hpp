@@ -52,6 +52,9 @@ struct MapPiece {
                                   const Trajectory& odometry, const Trajectory& trajectory,
                                   std::uint16_t session = 0);
 
+/// The points of a piece where the solution has them; those that are not finite are left out.
+[[nodiscard]] std::vector<Eigen::Vector3d> points_in_world(const MapPiece& piece);
+
 /// Writes the map to `writer` (finish() is the caller's) and returns its number of points. The
 /// order is that of the tiles, not of the maps. `folder` takes the temporary file.
 std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssemblyOptions& options,
