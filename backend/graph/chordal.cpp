@@ -1,38 +1,32 @@
 #include "backend/graph/chordal.hpp"
 
-#include <array>
 #include <utility>
 
-#include <Eigen/CholmodSupport>
 #include <Eigen/SVD>
-#include <Eigen/SparseCore>
 
-#include "backend/graph/single_threaded_algebra.hpp"
+#include "backend/graph/block_cholesky.hpp"
+#include "frontend/core/parallel.hpp"
 
 namespace groundloop {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
-using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Normal equations of a problem with one 3-row block a free vertex. Only the lower triangle is
-// kept.
+// Normal equations with one 3-row block a free vertex; both linear problems have this layout.
 class BlockSystem {
  public:
-  BlockSystem(const std::vector<char>& fixed, Eigen::Index columns, std::size_t edges)
-      : slot_(fixed.size()), diagonal_() {
-    int free = 0;
-    for (std::size_t i = 0; i < fixed.size(); ++i) slot_[i] = fixed[i] ? -1 : free++;
-    diagonal_.assign(free, Matrix3d::Zero());
-    right_ = MatrixXd::Zero(3 * free, columns);
-    triplets_.reserve(9 * edges + 6 * free);
+  BlockSystem(const PoseGraph& graph, const std::vector<char>& held)
+      : slot_(slots(held)), matrix_(sizes(held), pairs(graph)) {}
+
+  void clear(Eigen::Index columns) {
+    matrix_.set_zero();
+    right_ = MatrixXd::Zero(matrix_.rows(), columns);
+    pair_ = 0;
   }
 
-  [[nodiscard]] int slot(int vertex) const { return slot_[vertex]; }
-
-  // Adds |A x_i - B x_j - c|^2 in the metric M, given A' M A etc. by the caller's matrices;
-  // `known_i` stands for x_i where i is fixed, `known_j` likewise.
+  // Adds |A x_i - B x_j - c|^2 in the metric M; `known_i` stands for x_i where i is held, `known_j`
+  // likewise. Edges in their order.
   void add(int i, int j, const Matrix3d& A, const Matrix3d& B, const Matrix3d& M, const MatrixXd& c,
            const MatrixXd& known_i, const MatrixXd& known_j) {
     const int a = slot_[i];
@@ -40,57 +34,54 @@ class BlockSystem {
     const Matrix3d MA = M * A;
     const Matrix3d MB = M * B;
     if (a >= 0) {
-      diagonal_[a] += A.transpose() * MA;
+      matrix_.add_diagonal(a, A.transpose() * MA);
       right_.middleRows(3 * a, 3) += MA.transpose() * c;
       if (b < 0) right_.middleRows(3 * a, 3) += MA.transpose() * (B * known_j);
     }
     if (b >= 0) {
-      diagonal_[b] += B.transpose() * MB;
+      matrix_.add_diagonal(b, B.transpose() * MB);
       right_.middleRows(3 * b, 3) -= MB.transpose() * c;
       if (a < 0) right_.middleRows(3 * b, 3) += MB.transpose() * (A * known_i);
     }
-    if (a >= 0 && b >= 0) {
-      const Matrix3d off = -A.transpose() * MB;
-      const bool lower = a > b;
-      for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) {
-          const int p = 3 * a + row;
-          const int q = 3 * b + column;
-          triplets_.emplace_back(lower ? p : q, lower ? q : p, off(row, column));
-        }
-      }
-    }
+    if (a >= 0 && b >= 0) matrix_.add_pair(pair_++, -A.transpose() * MB);
   }
 
   // Returns false where the matrix is singular.
-  bool solve(MatrixXd& x) {
-    x = right_;
-    if (right_.rows() == 0) return true;
-    for (std::size_t i = 0; i < diagonal_.size(); ++i) {
-      for (int column = 0; column < 3; ++column) {
-        for (int row = column; row < 3; ++row) {
-          triplets_.emplace_back(3 * i + row, 3 * i + column, diagonal_[i](row, column));
-        }
-      }
-    }
-    SparseMatrix H(right_.rows(), right_.rows());
-    H.setFromTriplets(triplets_.begin(), triplets_.end());
-    const SingleThreadedAlgebra one_thread;
-    Eigen::CholmodDecomposition<SparseMatrix, Eigen::Lower> cholesky;
-    cholesky.cholmod().print = 0;
-    cholesky.cholmod().nmethods = 1;  // without trying METIS, which gains less than it takes
-    cholesky.cholmod().method[0].ordering = CHOLMOD_AMD;
-    cholesky.compute(H);
-    if (cholesky.info() != Eigen::Success) return false;
-    x = cholesky.solve(right_);
-    return cholesky.info() == Eigen::Success && x.allFinite();
+  [[nodiscard]] bool solve(MatrixXd& x) {
+    if (!matrix_.factorise()) return false;
+    x = matrix_.solve(right_);
+    return x.allFinite();
   }
+  [[nodiscard]] int slot(std::size_t vertex) const { return slot_[vertex]; }
 
  private:
+  static std::vector<int> slots(const std::vector<char>& held) {
+    std::vector<int> slot(held.size());
+    int free = 0;
+    for (std::size_t i = 0; i < held.size(); ++i) slot[i] = held[i] ? -1 : free++;
+    return slot;
+  }
+  static std::vector<int> sizes(const std::vector<char>& held) {
+    std::vector<int> result;
+    for (const char h : held) {
+      if (!h) result.push_back(3);
+    }
+    return result;
+  }
+  [[nodiscard]] std::vector<std::pair<int, int>> pairs(const PoseGraph& graph) const {
+    std::vector<std::pair<int, int>> result;
+    for (const GraphEdge& edge : graph.edges) {
+      if (edge.rejected || edge.weight == 0.0) continue;
+      if (slot_[edge.from] >= 0 && slot_[edge.to] >= 0)
+        result.emplace_back(slot_[edge.from], slot_[edge.to]);
+    }
+    return result;
+  }
+
   std::vector<int> slot_;
-  std::vector<Matrix3d> diagonal_;
+  BlockCholesky matrix_;
   MatrixXd right_;
-  std::vector<Eigen::Triplet<double, int>> triplets_;
+  std::size_t pair_ = 0;
 };
 
 // One weight for an edge's rotation: the inverse of its mean variance, from the information given
@@ -108,50 +99,47 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
 
 }  // namespace
 
-bool initialise_chordal(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                        const std::vector<char>& fixed) {
+bool initialise_chordal(PoseGraph& graph, const std::vector<char>& held) {
   const std::size_t n = graph.vertices.size();
   if (n == 0) return true;
   std::vector<Matrix3d> rotation(n);
   for (std::size_t i = 0; i < n; ++i) rotation[i] = graph.vertices[i].pose.rotation_matrix();
 
   // Unknown are the transposed rotations X: X_j = R_ij' X_i.
-  BlockSystem rotations(fixed, 3, graph.edges.size());
+  BlockSystem system(graph, held);
+  system.clear(3);
   const Matrix3d zero = Matrix3d::Zero();
-  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    const GraphEdge& edge = graph.edges[k];
+  for (const GraphEdge& edge : graph.edges) {
     if (edge.rejected || edge.weight == 0.0) continue;
-    const auto [i, j] = ends[k];
     const double w = edge.weight * rotation_weight(edge.information);
-    rotations.add(i, j, edge.T_from_to.rotation_matrix().transpose(), Matrix3d::Identity(),
-                  w * Matrix3d::Identity(), zero, rotation[i].transpose(), rotation[j].transpose());
+    system.add(edge.from, edge.to, edge.T_from_to.rotation_matrix().transpose(),
+               Matrix3d::Identity(), w * Matrix3d::Identity(), zero,
+               rotation[edge.from].transpose(), rotation[edge.to].transpose());
   }
   MatrixXd x;
-  if (!rotations.solve(x)) return false;
-  for (std::size_t i = 0; i < n; ++i) {
-    const int slot = rotations.slot(static_cast<int>(i));
+  if (!system.solve(x)) return false;
+  parallel_for(n, 64, [&](std::size_t i) {
+    const int slot = system.slot(i);
     if (slot >= 0) rotation[i] = nearest_rotation(x.middleRows<3>(3 * slot).transpose());
-  }
+  });
 
   // t_j - t_i = R_i t_ij, in the metric of the measurement's translation.
-  BlockSystem translations(fixed, 1, graph.edges.size());
-  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    const GraphEdge& edge = graph.edges[k];
+  system.clear(1);
+  for (const GraphEdge& edge : graph.edges) {
     if (edge.rejected || edge.weight == 0.0) continue;
-    const auto [i, j] = ends[k];
     const Matrix3d to_measurement =
-        edge.T_from_to.rotation_matrix().transpose() * rotation[i].transpose();
+        edge.T_from_to.rotation_matrix().transpose() * rotation[edge.from].transpose();
     const Matrix3d metric = edge.weight * to_measurement.transpose() *
                             edge.information.topLeftCorner<3, 3>() * to_measurement;
-    translations.add(i, j, -Matrix3d::Identity(), -Matrix3d::Identity(), metric,
-                     rotation[i] * edge.T_from_to.translation, graph.vertices[i].pose.translation,
-                     graph.vertices[j].pose.translation);
+    system.add(edge.from, edge.to, -Matrix3d::Identity(), -Matrix3d::Identity(), metric,
+               rotation[edge.from] * edge.T_from_to.translation,
+               graph.vertices[edge.from].pose.translation,
+               graph.vertices[edge.to].pose.translation);
   }
-  if (!translations.solve(x)) return false;
+  if (!system.solve(x)) return false;
   for (std::size_t i = 0; i < n; ++i) {
-    const int slot = translations.slot(static_cast<int>(i));
-    if (slot < 0) continue;
-    graph.vertices[i].pose = Pose(rotation[i], x.middleRows<3>(3 * slot));
+    const int slot = system.slot(i);
+    if (slot >= 0) graph.vertices[i].pose = Pose(rotation[i], x.middleRows<3>(3 * slot));
   }
   return true;
 }

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "frontend/core/error.hpp"
@@ -101,7 +101,7 @@ struct Reader {
       vertex.id = line.integer("a vertex id");
       vertex.pose = read_pose(line);
       line.expect_end();
-      if (!ids.insert(vertex.id).second) {
+      if (!position.emplace(vertex.id, static_cast<int>(position.size())).second) {
         line.fail("gives vertex " + std::to_string(vertex.id) + " a second time");
       }
       result.graph.vertices.push_back(vertex);
@@ -120,8 +120,9 @@ struct Reader {
     }
   }
 
-  void require_vertex(int id, std::size_t line) const {
-    if (ids.contains(id)) return;
+  [[nodiscard]] int vertex_at(int id, std::size_t line) const {
+    const auto found = position.find(id);
+    if (found != position.end()) return found->second;
     throw InputError(place(line) + " names vertex " + std::to_string(id) +
                      ", which the file does not have; add its VERTEX_SE3:QUAT line");
   }
@@ -129,15 +130,10 @@ struct Reader {
   void finish() {
     PoseGraph& graph = result.graph;
     for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-      require_vertex(graph.edges[k].from, edge_lines[k]);
-      require_vertex(graph.edges[k].to, edge_lines[k]);
+      graph.edges[k].from = vertex_at(graph.edges[k].from, edge_lines[k]);
+      graph.edges[k].to = vertex_at(graph.edges[k].to, edge_lines[k]);
     }
-    std::unordered_set<int> fixed_ids;
-    for (const auto& [id, line] : fixed) {
-      require_vertex(id, line);
-      fixed_ids.insert(id);
-    }
-    for (GraphVertex& vertex : graph.vertices) vertex.fixed = fixed_ids.contains(vertex.id);
+    for (const auto& [id, line] : fixed) graph.vertices[vertex_at(id, line)].fixed = true;
     if (graph.vertices.empty()) {
       throw InputError(name + ": no VERTEX_SE3:QUAT line; only SE(3) graphs are read");
     }
@@ -146,7 +142,7 @@ struct Reader {
 
   std::string name;
   G2oFile result;
-  std::unordered_set<int> ids;
+  std::unordered_map<int, int> position;  // of ids
   std::vector<std::size_t> edge_lines;
   std::vector<std::pair<int, std::size_t>> fixed;
 };
@@ -190,7 +186,8 @@ void write_g2o(const std::filesystem::path& file, const PoseGraph& graph, bool w
   }
   for (const GraphEdge& edge : graph.edges) {
     if (edge.rejected && !with_rejected) continue;
-    text += "EDGE_SE3:QUAT " + std::to_string(edge.from) + " " + std::to_string(edge.to);
+    text += "EDGE_SE3:QUAT " + std::to_string(graph.vertices[edge.from].id) + " " +
+            std::to_string(graph.vertices[edge.to].id);
     append(text, edge.T_from_to);
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j) append(text, edge.information(i, j));

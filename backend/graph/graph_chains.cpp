@@ -21,12 +21,12 @@ struct Arc {
 };
 
 std::vector<std::vector<Arc>> arcs_of(const PoseGraph& graph) {
-  const std::vector<EdgeEnds> ends = resolve_edges(graph);
   std::vector<std::vector<Arc>> arcs(graph.vertices.size());
-  for (std::size_t k = 0; k < ends.size(); ++k) {
+  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
     const GraphEdge& edge = graph.edges[k];
     if (edge.rejected) continue;
-    const auto [from, to] = ends[k];
+    const int from = edge.from;
+    const int to = edge.to;
     // A trace of information keeps singular directions finite.
     const Matrix6d regular = edge.information + 1e-6 * Matrix6d::Identity();
     const RelativePose there{graph.vertices[from].pose.inverse() * graph.vertices[to].pose,

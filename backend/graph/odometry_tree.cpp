@@ -1,23 +1,20 @@
 #include "backend/graph/odometry_tree.hpp"
 
-#include <Eigen/Cholesky>
-
-#include "backend/graph/gauge.hpp"
-
 namespace groundloop {
 
-OdometryTree::OdometryTree(const PoseGraph& graph, const std::vector<EdgeEnds>& ends)
-    : nodes_(graph.vertices.size()) {
+OdometryTree::OdometryTree(const PoseGraph& graph) : nodes_(graph.vertices.size()) {
   std::vector<std::vector<int>> edges_at(nodes_.size());
-  PoseGraph odometry = graph;
-  for (std::size_t k = 0; k < ends.size(); ++k) {
+  PoseGraph odometry;
+  odometry.vertices = graph.vertices;
+  odometry.edges = graph.edges;
+  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
     GraphEdge& edge = odometry.edges[k];
     edge.rejected = edge.rejected || edge.kind == EdgeKind::closure;
     if (edge.rejected) continue;
-    edges_at[ends[k].from].push_back(static_cast<int>(k));
-    edges_at[ends[k].to].push_back(static_cast<int>(k));
+    edges_at[edge.from].push_back(static_cast<int>(k));
+    edges_at[edge.to].push_back(static_cast<int>(k));
   }
-  const std::vector<char> roots = gauge(odometry, connected_components(odometry, ends));
+  const std::vector<char> roots = gauge(odometry);
   std::vector<int> queue;
   for (int i = 0; i < static_cast<int>(nodes_.size()); ++i) {
     if (!roots[i]) continue;
@@ -28,20 +25,18 @@ OdometryTree::OdometryTree(const PoseGraph& graph, const std::vector<EdgeEnds>& 
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const int i = queue[head];
     for (const int k : edges_at[i]) {
-      const bool forward = ends[k].from == i;
-      Node& node = nodes_[forward ? ends[k].to : ends[k].from];
-      if (node.root >= 0) continue;
       const GraphEdge& edge = graph.edges[k];
-      const Eigen::LLT<Matrix6d> llt(edge.information);
-      RelativePose step{edge.T_from_to, Matrix6d::Zero()};
-      if (llt.info() == Eigen::Success) step.covariance = llt.solve(Matrix6d::Identity());
+      const bool forward = edge.from == i;
+      Node& node = nodes_[forward ? edge.to : edge.from];
+      if (node.root >= 0) continue;
+      RelativePose step{edge.T_from_to, covariance_of(edge.information)};
       if (!forward) step = inverse(step);
       node.T_world_vertex = nodes_[i].T_world_vertex * step.T_from_to;
       const Matrix6d carry = adjoint(node.T_world_vertex);
       node.covariance = nodes_[i].covariance + carry * step.covariance * carry.transpose();
       node.parent = i;
       node.root = nodes_[i].root;
-      queue.push_back(forward ? ends[k].to : ends[k].from);
+      queue.push_back(forward ? edge.to : edge.from);
     }
   }
   for (std::size_t i = queue.size(); i-- > 0;) {

@@ -13,9 +13,9 @@ namespace groundloop {
 class OdometryTree {
  public:
   /// Trees start at the fixed vertices, and in parts that have none at the first vertex; these keep
-  /// their poses. Repeated odometry edges: the first counts. Information that is singular counts as
-  /// covariance zero.
-  OdometryTree(const PoseGraph& graph, const std::vector<EdgeEnds>& ends);
+  /// their poses. Repeated odometry edges: the first counts. What singular information leaves
+  /// open is unknown (covariance_of).
+  explicit OdometryTree(const PoseGraph& graph);
 
   /// T_world_vertex by odometry.
   [[nodiscard]] const Pose& pose(int vertex) const { return nodes_[vertex].T_world_vertex; }

@@ -25,6 +25,12 @@ struct RelativePose {
   return {a_b.T_from_to.inverse(), carry * a_b.covariance * carry.transpose()};
 }
 
+/// The inverse; of information that has none, as that of an open direction is taken to be known to
+/// 100 m and 1 rad.
+[[nodiscard]] Matrix6d covariance_of(const Matrix6d& information);
+/// Information that has an inverse: the same bound in every direction.
+[[nodiscard]] Matrix6d bounded_information(const Matrix6d& information);
+
 /// Squared Mahalanobis distance of the pose from the identity: log' covariance^-1 log.
 [[nodiscard]] double squared_mahalanobis(const RelativePose& loop);
 

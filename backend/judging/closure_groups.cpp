@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Cholesky>
+
+#include "frontend/core/union_find.hpp"
 
 namespace groundloop {
 namespace {
@@ -17,33 +18,19 @@ constexpr double kLogOddsOfNeighbour = 0.5;
 
 struct Link {
   double log_density;
-  std::size_t a, b;  // places among the closures
+  int a, b;  // places among the closures
 };
 
 // The loop a, odometry, b backwards, odometry.
-RelativePose loop_of(const PoseGraph& graph, const RelativePose& from_b_from_a,
-                     const RelativePose& to_a_to_b, std::size_t a, std::size_t b) {
-  const auto closure = [&](std::size_t k) {
-    return RelativePose{graph.edges[k].T_from_to,
-                        bounded_information(graph.edges[k].information).inverse()};
+RelativePose loop_of(const GraphEdge& a, const GraphEdge& b, const OdometryTree& odometry) {
+  const auto closure = [](const GraphEdge& edge) {
+    return RelativePose{edge.T_from_to, bounded_information(edge.information).inverse()};
   };
-  return closure(a) * to_a_to_b * inverse(closure(b)) * from_b_from_a;
-}
-
-std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
+  return closure(a) * odometry.between(a.to, b.to) * inverse(closure(b)) *
+         odometry.between(b.from, a.from);
 }
 
 }  // namespace
-
-Matrix6d bounded_information(const Matrix6d& information) {
-  // A direction that the surfaces leave free is known to 100 m and 1 rad.
-  Matrix6d bounded = information;
-  bounded.diagonal().head<3>().array() += 1e-4;
-  bounded.diagonal().tail<3>().array() += 1.0;
-  return bounded;
-}
 
 double log_density(const RelativePose& loop) {
   const Vector6d r = log_se3(loop.T_from_to);
@@ -61,42 +48,38 @@ double log_prior(const ClosureGroups& groups, bool called_true) {
   return sum;
 }
 
-ClosureGroups group_closures(const PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                             const OdometryTree& odometry, const std::vector<std::size_t>& closures,
-                             double distance, double bound) {
+ClosureGroups group_closures(const PoseGraph& graph, const OdometryTree& odometry,
+                             const std::vector<std::size_t>& closures, double distance,
+                             double bound) {
   const std::size_t n = closures.size();
   std::vector<Link> links;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 1; j < n; ++j) {
-      const std::size_t a = closures[i];
-      const std::size_t b = closures[j];
+      const GraphEdge& a = graph.edges[closures[i]];
+      const GraphEdge& b = graph.edges[closures[j]];
       const auto far = [&](int p, int q) {
         return (odometry.pose(p).translation - odometry.pose(q).translation).norm() > distance;
       };
-      if (far(ends[a].from, ends[b].from) || far(ends[a].to, ends[b].to)) continue;
-      const RelativePose loop = loop_of(graph, odometry.between(ends[b].from, ends[a].from),
-                                        odometry.between(ends[a].to, ends[b].to), a, b);
-      if (squared_mahalanobis(loop) <= bound) links.push_back({log_density(loop), i, j});
+      if (far(a.from, b.from) || far(a.to, b.to)) continue;
+      const RelativePose loop = loop_of(a, b, odometry);
+      if (squared_mahalanobis(loop) <= bound)
+        links.push_back({log_density(loop), static_cast<int>(i), static_cast<int>(j)});
     }
   }
   // The tightest links span each group.
   std::stable_sort(links.begin(), links.end(),
                    [](const Link& x, const Link& y) { return x.log_density > y.log_density; });
-  std::vector<std::size_t> parent(n);
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  UnionFind sets(n);
   std::vector<double> inner(n, 0.0);
   for (const Link& link : links) {
-    std::size_t low = root_of(parent, link.a);
-    std::size_t high = root_of(parent, link.b);
-    if (low == high) continue;
-    if (high < low) std::swap(low, high);
-    parent[high] = low;
+    const auto [low, high] = std::minmax({sets.root(link.a), sets.root(link.b)});
+    if (!sets.join(low, high)) continue;
     inner[low] += inner[high] + link.log_density;
   }
   ClosureGroups result;
   std::vector<std::size_t> group_of(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t root = root_of(parent, i);
+    const auto root = static_cast<std::size_t>(sets.root(static_cast<int>(i)));
     if (root == i) {
       group_of[i] = result.groups.size();
       result.groups.emplace_back();

@@ -24,18 +24,13 @@ struct ClosureGroups {
 
 /// Groups of the given edges (positions in graph.edges). Members are joined through neighbours
 /// whose ends lie within `distance` metres on both ways and whose loop passes the chi-square bound.
-[[nodiscard]] ClosureGroups group_closures(const PoseGraph& graph,
-                                           const std::vector<EdgeEnds>& ends,
-                                           const OdometryTree& odometry,
+[[nodiscard]] ClosureGroups group_closures(const PoseGraph& graph, const OdometryTree& odometry,
                                            const std::vector<std::size_t>& closures,
                                            double distance, double bound);
 
 /// Logarithm of the probability, before odometry and other closures are asked, that the groups are
 /// all true or all false, as `called_true` says.
 [[nodiscard]] double log_prior(const ClosureGroups& groups, bool called_true);
-
-/// Information that has an inverse, where a closure's leaves directions free.
-[[nodiscard]] Matrix6d bounded_information(const Matrix6d& information);
 
 /// Logarithm of the normal density of zero mean at the residual of a loop that should be the
 /// identity.

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "backend/graph/chain_condensation.hpp"
+#include "backend/graph/chains.hpp"
 #include "backend/graph/graph_chains.hpp"
 #include "backend/graph/odometry_tree.hpp"
 #include "backend/judging/closure_groups.hpp"
@@ -49,16 +49,15 @@ double log_evidence(const FramePair& frames, PoseGraph graph,
     graph.edges[own + static_cast<std::size_t>(i)].rejected = false;
   for (std::size_t k = own; k < graph.edges.size(); ++k)
     (graph.edges[k].rejected ? called_false : called_true).push_back(k);
-  const std::vector<EdgeEnds> ends = resolve_edges(graph);
-  const OdometryTree odometry(graph, ends);
+  const OdometryTree odometry(graph);
   const auto group = [&](const std::vector<std::size_t>& closures) {
-    return group_closures(graph, ends, odometry, closures, kNeighbourDistance,
+    return group_closures(graph, odometry, closures, kNeighbourDistance,
                           chi_square_quantile_6(probability));
   };
-  const CondensedGraph condensed = condense_chains(graph, ends);
+  const CondensedGraph condensed = condense_chains(graph);
   // One closure says where the frames lie to each other, which may be anywhere, as a false one may.
-  double sum = log_marginal_density(condensed.graph, resolve_edges(condensed.graph)) -
-               std::log(kFalseClosureVolume) + log_prior(group(called_true), true);
+  double sum = log_marginal_density(condensed.graph) - std::log(kFalseClosureVolume) +
+               log_prior(group(called_true), true);
   const ClosureGroups false_groups = group(called_false);
   for (const double inner : false_groups.inner_log_density)
     sum += inner - std::log(kFalseClosureVolume);

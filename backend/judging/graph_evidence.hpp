@@ -10,6 +10,6 @@ namespace groundloop {
 /// Logarithm of the integral, over all poses but one fixed in each component, of the product of the
 /// normal densities of the residuals of the edges that are not rejected; Laplace's approximation at
 /// the solution, from the poses given. Information of closures is bounded (closure_groups.hpp).
-[[nodiscard]] double log_marginal_density(PoseGraph graph, const std::vector<EdgeEnds>& ends);
+[[nodiscard]] double log_marginal_density(PoseGraph graph);
 
 }  // namespace groundloop

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "backend/graph/chain_condensation.hpp"
+#include "backend/graph/chains.hpp"
 #include "backend/graph/odometry_tree.hpp"
 #include "backend/judging/closure_groups.hpp"
 #include "backend/judging/graph_evidence.hpp"
@@ -29,10 +29,9 @@ constexpr int kScales = 11;
 // Weighs verdicts on one graph with its odometry at one scale.
 class Evidence {
  public:
-  Evidence(const PoseGraph& graph, const std::vector<EdgeEnds>& ends, const RobustOptions& options)
+  Evidence(const PoseGraph& graph, const RobustOptions& options)
       : graph_(graph),
-        ends_(ends),
-        odometry_(graph, ends),
+        odometry_(graph),
         bound_(chi_square_quantile_6(options.inlier_probability)) {}
 
   // Of the closures' measurements, given which are true.
@@ -47,7 +46,7 @@ class Evidence {
       edge.weight = 1.0;
     }
     if (!accepted.empty()) {
-      sum += log_marginal_density(std::move(solved), ends_) + log_prior(group(accepted), true);
+      sum += log_marginal_density(std::move(solved)) + log_prior(group(accepted), true);
     }
     const ClosureGroups false_groups = group(rejected);
     for (const double inner : false_groups.inner_log_density)
@@ -57,38 +56,34 @@ class Evidence {
 
  private:
   [[nodiscard]] ClosureGroups group(const std::vector<std::size_t>& closures) const {
-    return group_closures(graph_, ends_, odometry_, closures, kNeighbourDistance, bound_);
+    return group_closures(graph_, odometry_, closures, kNeighbourDistance, bound_);
   }
 
   const PoseGraph& graph_;
-  const std::vector<EdgeEnds>& ends_;
   OdometryTree odometry_;
   double bound_;
 };
 
-bool is_one_chain(const PoseGraph& graph, const std::vector<EdgeEnds>& ends) {
+bool is_one_chain(const PoseGraph& graph) {
   PoseGraph odometry = graph;
   for (GraphEdge& edge : odometry.edges)
     edge.rejected = edge.rejected || edge.kind == EdgeKind::closure;
-  const std::vector<int> component = connected_components(odometry, ends);
+  const std::vector<int> component = connected_components(odometry);
   return std::all_of(component.begin(), component.end(), [](int c) { return c == 0; });
 }
 
 // Closures that disagree, over the loop through odometry, with most of the largest set that agrees.
-std::vector<std::size_t> inconsistent_closures(const PoseGraph& graph,
-                                               const std::vector<EdgeEnds>& ends,
-                                               double probability) {
+std::vector<std::size_t> inconsistent_closures(const PoseGraph& graph, double probability) {
   std::vector<std::size_t> judged;
   std::vector<PairwiseClosure> pairwise;
   for (std::size_t k = 0; k < graph.edges.size(); ++k) {
     const GraphEdge& edge = graph.edges[k];
     if (edge.kind != EdgeKind::closure || edge.rejected) continue;
     judged.push_back(k);
-    pairwise.push_back({ends[k].from,
-                        ends[k].to,
-                        {edge.T_from_to, bounded_information(edge.information).inverse()}});
+    pairwise.push_back(
+        {edge.from, edge.to, {edge.T_from_to, bounded_information(edge.information).inverse()}});
   }
-  const OdometryTree odometry(graph, ends);
+  const OdometryTree odometry(graph);
   const ChainFunction chain = [&](int from, int to) { return odometry.between(from, to); };
   const std::vector<int> largest =
       consistent_sets(pairwise, chain, chain, {probability}).sets.front();
@@ -109,22 +104,17 @@ std::vector<std::size_t> inconsistent_closures(const PoseGraph& graph,
 class Search {
  public:
   Search(const CondensedGraph& condensed, const ScaleOptions& options, const Progress& progress)
-      : condensed_(condensed),
-        ends_(resolve_edges(condensed.graph)),
-        options_(options),
-        progress_(progress) {
+      : condensed_(condensed), options_(options), progress_(progress) {
     for (const GraphEdge& edge : condensed.graph.edges)
       closures_ += edge.kind == EdgeKind::closure ? 1 : 0;
   }
 
-  [[nodiscard]] bool has_answer() const {
-    return closures_ > 0 && is_one_chain(condensed_.graph, ends_);
-  }
+  [[nodiscard]] bool has_answer() const { return closures_ > 0 && is_one_chain(condensed_.graph); }
 
   [[nodiscard]] ScaleTrial at(double log_scale) const {
     PoseGraph graph = condensed_.graph;
     scale_odometry(graph, std::exp(log_scale));
-    const Evidence evidence(graph, ends_, options_.robust);
+    const Evidence evidence(graph, options_.robust);
     const double deviation = log_scale > 0.0 ? kLogScaleUpward : kLogScaleDownward;
     const double prior = 0.5 * log_scale * log_scale / (deviation * deviation);
     ScaleTrial trial = judged(graph, evidence, {});
@@ -134,8 +124,8 @@ class Search {
     if (options_.pairwise_consistency && closures_ >= kFew &&
         static_cast<double>(closures_) - trial.accepted >=
             kManyRejected * static_cast<double>(closures_)) {
-      ScaleTrial other = judged(
-          graph, evidence, inconsistent_closures(graph, ends_, options_.robust.inlier_probability));
+      ScaleTrial other =
+          judged(graph, evidence, inconsistent_closures(graph, options_.robust.inlier_probability));
       if (other.log_evidence > trial.log_evidence) trial = std::move(other);
     }
     trial.scale = std::exp(log_scale);
@@ -151,13 +141,12 @@ class Search {
       graph.edges[k].rejected = true;
       trial.inconsistent.push_back(condensed_.edge_of[k]);
     }
-    trial.accepted = judge_closures(graph, ends_, options_.robust, progress_).accepted;
+    trial.accepted = judge_closures(graph, options_.robust, progress_).accepted;
     trial.log_evidence = evidence.of(std::move(graph));
     return trial;
   }
 
   const CondensedGraph& condensed_;
-  std::vector<EdgeEnds> ends_;
   const ScaleOptions& options_;
   const Progress& progress_;
   std::size_t closures_ = 0;
@@ -174,7 +163,7 @@ void scale_odometry(PoseGraph& graph, double scale) {
 OdometryScale estimate_odometry_scale(const PoseGraph& graph, const ScaleOptions& options,
                                       const Progress& progress) {
   OdometryScale result;
-  const CondensedGraph condensed = condense_chains(graph, resolve_edges(graph));
+  const CondensedGraph condensed = condense_chains(graph);
   const Search search(condensed, options, progress);
   if (!search.has_answer()) return result;
   if (!options.estimate) {

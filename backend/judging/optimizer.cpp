@@ -5,9 +5,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include "backend/graph/between_factor.hpp"
 #include "backend/graph/chordal.hpp"
-#include "backend/graph/gauge.hpp"
-#include "backend/graph/graph_problem.hpp"
+#include "backend/graph/factors.hpp"
+#include "backend/graph/solver.hpp"
 #include "backend/judging/robust.hpp"
 
 namespace groundloop {
@@ -28,12 +29,12 @@ class Stopwatch {
 };
 
 // Moves the graph to its start; returns the start's name.
-std::string initialise(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                       const std::vector<char>& fixed, const OptimizerOptions& options) {
+std::string initialise(PoseGraph& graph, const std::vector<char>& held,
+                       const OptimizerOptions& options) {
   if (options.initialisation == "guess") return "guess";
   const double cost_of_guess = cost(graph);
   const std::vector<GraphVertex> guess = graph.vertices;
-  if (!initialise_chordal(graph, ends, fixed)) {
+  if (!initialise_chordal(graph, held)) {
     spdlog::warn("chordal initialisation: the linear system is singular; starting from the guess");
     return "guess";
   }
@@ -50,10 +51,10 @@ OptimizationSummary optimize(PoseGraph& graph, const OptimizerOptions& options,
   Stopwatch total;
   Stopwatch phase;
   OptimizationSummary summary;
-  const std::vector<EdgeEnds> ends = resolve_edges(graph);
+  check_graph(graph);
   summary.cost_before = cost(graph);
   if (options.robust) {
-    const RobustReport report = judge_closures(graph, ends, {options.inlier_probability}, progress);
+    const RobustReport report = judge_closures(graph, {options.inlier_probability}, progress);
     summary.robust_steps = report.steps;
     if (report.rejected > report.accepted) {
       spdlog::warn("robust solving rejected {} of {} closures", report.rejected,
@@ -61,16 +62,15 @@ OptimizationSummary optimize(PoseGraph& graph, const OptimizerOptions& options,
     }
     summary.seconds.robust = phase.lap();
   }
-  const std::vector<int> component = connected_components(graph, ends);
+  const std::vector<int> component = connected_components(graph);
   summary.components =
       component.empty() ? 0 : 1 + *std::max_element(component.begin(), component.end());
-  const std::vector<char> fixed = gauge(graph, component);
-  summary.initialisation = initialise(graph, ends, fixed, options);
+  const std::vector<char> held = gauge(graph);
+  summary.initialisation = initialise(graph, held, options);
   summary.seconds.initialisation = phase.lap();
 
-  GraphProblem problem(graph, ends, fixed);
   const SolveReport report =
-      problem.solve({options.max_iterations, options.function_tolerance}, progress);
+      solve(graph, held, {options.max_iterations, options.function_tolerance}, progress);
   summary.seconds.solve = phase.lap();
   summary.iterations = report.iterations;
   summary.termination = report.termination;

@@ -1,5 +1,5 @@
 // Optimisation of a pose graph: initialisation (the graph's guess or chordal relaxation, whichever
-// costs less), Levenberg-Marquardt by Ceres with analytic Jacobians, and, on request, robust
+// costs less), Levenberg-Marquardt, and, on request, robust
 // solving that gives every closure a weight and a verdict. The conventions of cost and information
 // are those of pose_graph.hpp.
 #pragma once
@@ -60,7 +60,7 @@ struct OptimizationSummary {
 /// Optimises the poses in place. In every connected component without a fixed vertex the first
 /// vertex is held where it is. With `robust`, edges of kind closure get their weight and `rejected`
 /// from the solution; otherwise both are taken as they are. Deterministic: equal graphs give equal
-/// bytes, whatever the number of threads. Throws InputError as resolve_edges() does.
+/// bytes, whatever the number of threads. Throws InputError as check_graph() does.
 OptimizationSummary optimize(PoseGraph& graph, const OptimizerOptions& options,
                              const Progress& progress = {});
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "backend/graph/chain_condensation.hpp"
-#include "backend/graph/gauge.hpp"
-#include "backend/graph/graph_problem.hpp"
+#include "backend/graph/chains.hpp"
+#include "backend/graph/factors.hpp"
 #include "backend/graph/odometry_tree.hpp"
+#include "backend/graph/solver.hpp"
 
 namespace groundloop {
 namespace {
@@ -24,7 +24,6 @@ class GraduatedNonConvexity {
  public:
   GraduatedNonConvexity(PoseGraph& graph, const RobustOptions& options, const Progress& progress)
       : graph_(graph),
-        ends_(resolve_edges(graph)),
         progress_(progress),
         bound_(chi_square_quantile_6(options.inlier_probability)) {
     for (std::size_t k = 0; k < graph.edges.size(); ++k) {
@@ -46,7 +45,7 @@ class GraduatedNonConvexity {
   // Odometry cannot be reached by false closures, whereas a solution with all closures is bent
   // beyond repair by a few tens of percent of false ones.
   void place_by_odometry() {
-    const OdometryTree odometry(graph_, ends_);
+    const OdometryTree odometry(graph_);
     for (std::size_t i = 0; i < graph_.vertices.size(); ++i) {
       graph_.vertices[i].pose = odometry.pose(static_cast<int>(i));
     }
@@ -106,18 +105,16 @@ class GraduatedNonConvexity {
   // part of the graph that only they joined is held where it is.
   void solve() {
     for (const std::size_t k : closures_) graph_.edges[k].rejected = graph_.edges[k].weight == 0.0;
-    GraphProblem problem(graph_, ends_, gauge(graph_, connected_components(graph_, ends_)));
-    problem.solve({kIterationsOfAStep, kToleranceOfAStep});
+    groundloop::solve(graph_, gauge(graph_), {kIterationsOfAStep, kToleranceOfAStep});
   }
 
   [[nodiscard]] std::vector<double> squared_residuals() const {
     std::vector<double> squared;
     squared.reserve(closures_.size());
     for (const std::size_t k : closures_) {
-      const GraphEdge& edge = graph_.edges[k];
-      const Vector6d r = between_residual(graph_.vertices[ends_[k].from].pose,
-                                          graph_.vertices[ends_[k].to].pose, edge.T_from_to);
-      squared.push_back(r.dot(edge.information * r));
+      GraphEdge whole = graph_.edges[k];
+      whole.weight = 1.0;
+      squared.push_back(2.0 * cost(graph_, whole));
     }
     return squared;
   }
@@ -146,7 +143,6 @@ class GraduatedNonConvexity {
   }
 
   PoseGraph& graph_;
-  std::vector<EdgeEnds> ends_;
   const Progress& progress_;
   double bound_;
   std::vector<std::size_t> closures_;
@@ -166,9 +162,9 @@ double chi_square_quantile_6(double probability) {
   return 0.5 * (low + high);
 }
 
-RobustReport judge_closures(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                            const RobustOptions& options, const Progress& progress) {
-  CondensedGraph condensed = condense_chains(graph, ends);
+RobustReport judge_closures(PoseGraph& graph, const RobustOptions& options,
+                            const Progress& progress) {
+  CondensedGraph condensed = condense_chains(graph);
   RobustReport report;
   report.steps = GraduatedNonConvexity(condensed.graph, options, progress).run();
   for (std::size_t k = 0; k < condensed.graph.edges.size(); ++k) {

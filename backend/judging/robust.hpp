@@ -30,9 +30,8 @@ struct RobustReport {
 /// Quantile of the chi-square distribution with 6 degrees of freedom.
 [[nodiscard]] double chi_square_quantile_6(double probability);
 
-/// Sets weight and `rejected` of every closure that was not rejected before. Poses stay. `ends` are
-/// those of resolve_edges().
-RobustReport judge_closures(PoseGraph& graph, const std::vector<EdgeEnds>& ends,
-                            const RobustOptions& options, const Progress& progress = {});
+/// Sets weight and `rejected` of every closure that was not rejected before. Poses stay.
+RobustReport judge_closures(PoseGraph& graph, const RobustOptions& options,
+                            const Progress& progress = {});
 
 }  // namespace groundloop

@@ -11,8 +11,7 @@ namespace {
 
 // Recordings of one session that its closures join share a frame, named by the first of them.
 void set_frames(const StoredSession& session, int first_part, std::vector<MergedPart>& parts) {
-  const std::vector<int> component =
-      connected_components(session.graph, resolve_edges(session.graph));
+  const std::vector<int> component = connected_components(session.graph);
   const auto n = static_cast<int>(session.parts.size());
   for (int p = 0; p < n; ++p) {
     int q = 0;

@@ -177,8 +177,7 @@ std::size_t add_revisits(JointProblem& problem, const std::vector<int>& frames_b
 // connection.
 void check_frames(JointProblem& problem, const std::vector<int>& frames_before,
                   const PoseGraph& before) {
-  const std::vector<int> component =
-      connected_components(problem.graph, resolve_edges(problem.graph));
+  const std::vector<int> component = connected_components(problem.graph);
   for (std::size_t p = 0; p < problem.parts.size(); ++p) {
     MergedPart& part = problem.parts[p];
     if (component[part.first_map] == component[problem.parts[part.frame].first_map]) continue;

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "backend/graph/between_factor.hpp"
+#include "backend/graph/factors.hpp"
 #include "backend/graph/g2o_file.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/core/output_file.hpp"

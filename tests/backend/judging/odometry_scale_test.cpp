@@ -46,12 +46,10 @@ TEST(ClosureGroups, NeighboursThatAgreeAreOneGroup) {
   testing::FalseClosures planted(simulated.truth, testing::closure_covariance().inverse(), 7);
   planted.add_near(simulated.graph, 1, 5, 10, kLap);
   planted.add_near(simulated.graph, 1, 1, 1, kLap);
-  const std::vector<EdgeEnds> ends = resolve_edges(simulated.graph);
   std::vector<std::size_t> closures;
   for (std::size_t k = first; k < simulated.graph.edges.size(); ++k) closures.push_back(k);
-  const ClosureGroups groups =
-      group_closures(simulated.graph, ends, OdometryTree(simulated.graph, ends), closures, 50.0,
-                     chi_square_quantile_6(0.99));
+  const ClosureGroups groups = group_closures(simulated.graph, OdometryTree(simulated.graph),
+                                              closures, 50.0, chi_square_quantile_6(0.99));
   ASSERT_EQ(groups.groups.size(), 2u);
   EXPECT_EQ(groups.groups[0].size(), 5u);
   EXPECT_EQ(groups.groups[1], std::vector<std::size_t>{first + 5});
