@@ -42,9 +42,24 @@ struct ClosureCandidate {
   Pose T_query_reference;  ///< maps reference-map points into the query map (eq. 3D estimate)
 };
 
-/// Busy seconds of each stage, for metrics.json.
+/// Busy seconds of each stage, for metrics.json, and their squares over the maps, for deviations.
 struct LoopClosureTimes {
   double ground_alignment = 0, density_image = 0, features = 0, matching = 0, consensus = 0;
+  struct Squares {
+    double ground_alignment = 0, detection = 0, consensus = 0;
+  } squares;  ///< detection: density image, features and matching together
+  /// Adds the times of one map.
+  void add_map(const LoopClosureTimes& map) {
+    ground_alignment += map.ground_alignment;
+    density_image += map.density_image;
+    features += map.features;
+    matching += map.matching;
+    consensus += map.consensus;
+    const double detection = map.density_image + map.features + map.matching;
+    squares.ground_alignment += map.ground_alignment * map.ground_alignment;
+    squares.detection += detection * detection;
+    squares.consensus += map.consensus * map.consensus;
+  }
 };
 
 }  // namespace groundloop

@@ -28,7 +28,9 @@ Detections detections_from(const Json& closures) {
   d.references = references.at("count").get<std::size_t>();
   d.uncertain = references.at("uncertain").get<std::size_t>();
   d.eligible = references.at("eligible").get<std::size_t>();
+  d.poses = closures.at("judged").empty();
   for (const Json& c : closures.at("judged")) {
+    d.poses = d.poses || !c.at("initial_meeting").is_null();
     d.closures.push_back({c.at("score").get<double>(), c.at("true").get<bool>(),
                           c.at("uncertain").get<bool>(), c.at("right_pose").get<bool>()});
   }

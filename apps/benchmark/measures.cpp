@@ -1,5 +1,6 @@
 #include "apps/benchmark/measures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -107,6 +108,9 @@ Measure of_curve(std::string name, std::string heading, Figure figure, Counting 
                  std::string definition) {
   Measure m{std::move(name), std::move(heading), 3, 1, std::move(definition), {}, Over::pooled, {}};
   m.pool = [figure, counting](const std::vector<const Detections*>& detections) {
+    const bool poses = std::any_of(detections.begin(), detections.end(),
+                                   [](const Detections* d) { return d->poses; });
+    if (counting == Counting::with_right_pose && !poses) return std::optional<double>();
     const PrecisionRecall curve = pooled_curve(detections, counting);
     if (curve.references == 0) return std::optional<double>();
     switch (figure) {

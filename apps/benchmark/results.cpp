@@ -21,6 +21,7 @@ Json to_json(const Detections& d) {
   return {{"references", d.references},
           {"uncertain", d.uncertain},
           {"eligible", d.eligible},
+          {"poses", d.poses},
           {"closures", closures}};
 }
 
@@ -29,6 +30,7 @@ Detections detections_from(const Json& json) {
   d.references = json.at("references").get<std::size_t>();
   d.uncertain = json.at("uncertain").get<std::size_t>();
   d.eligible = json.at("eligible").get<std::size_t>();
+  d.poses = json.at("poses").get<bool>();
   for (const Json& c : json.at("closures")) {
     d.closures.push_back({c.at(0).get<double>(), c.at(1).get<int>() != 0, c.at(2).get<int>() != 0,
                           c.at(3).get<int>() != 0});

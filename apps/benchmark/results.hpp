@@ -27,6 +27,7 @@ struct Detections {
   std::size_t references = 0;  ///< reference closures
   std::size_t uncertain = 0;   ///< of them, those near the threshold
   std::size_t eligible = 0;    ///< pairs of maps that could have been reported
+  bool poses = true;           ///< whether any comes with a pose: else none can be right
   std::vector<JudgedClosure> closures;
 };
 

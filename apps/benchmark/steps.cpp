@@ -81,8 +81,16 @@ class Planner {
     const std::string& frame = r.truth_frame;
     if (!frame.empty() && frame != "sensor" && frame != "camera") needed.push_back(frame);
     std::string missing;
+    std::vector<std::string> named;
     for (const std::string& path : needed) {
-      if (!fs::exists(absolute(path))) missing += (missing.empty() ? "" : ", ") + absolute(path);
+      const std::string file = absolute(path);
+      // What lies in a folder that is missing need not be named as well.
+      const bool within = std::any_of(named.begin(), named.end(), [&](const std::string& folder) {
+        return file == folder || file.rfind(folder + "/", 0) == 0;
+      });
+      if (within || fs::exists(file)) continue;
+      named.push_back(file);
+      missing += (missing.empty() ? "" : ", ") + file;
     }
     if (missing.empty()) return;
     missing_.insert(r.name);

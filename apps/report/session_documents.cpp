@@ -1,6 +1,7 @@
 #include "apps/report/session_documents.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <sys/resource.h>
 
@@ -85,33 +86,43 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
   closures["overlap_pairs_tried"] = result.solution.revisits_tried;
 
   const StageTimes& t = result.times;
-  Json document{{"scans", result.odometry.size()},
-                {"predicted_scans", result.predicted_scans},
-                {"local_maps", result.maps.size()},
-                {"path_length_m", path_length(result.solution.trajectory)},
-                {"closures", closures},
-                {"timing_s",
-                 {{"read", t.read},
-                  {"odometry", t.odometry},
-                  {"local_maps", t.local_maps},
-                  {"ground_alignment", t.ground_alignment},
-                  {"density_image", t.density_image},
-                  {"features", t.features},
-                  {"matching", t.matching},
-                  {"consensus", t.consensus},
-                  {"verification", t.verification},
-                  {"levelling", t.levelling},
-                  {"optimisation", t.optimisation},
-                  {"map_quality", t.map_quality},
-                  {"map", t.map},
-                  {"total", t.total}}},
-                {"scans_per_second",
-                 t.total > 0.0 ? static_cast<double>(result.odometry.size()) / t.total : 0.0},
-                {"peak_memory_mb", peak_memory_mb()},
-                {"pose_graph",
-                 {{"odometry_scale", result.solution.odometry_scale},
-                  {"key_poses", summary_document(result.solution.key_summary)},
-                  {"all_scans", summary_document(result.solution.summary)}}}};
+  // Standard deviation over the local maps.
+  const auto deviation = [&](double sum, double squares) {
+    const auto n = static_cast<double>(std::max<std::size_t>(1, result.maps.size()));
+    return std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)));
+  };
+  Json document{
+      {"scans", result.odometry.size()},
+      {"predicted_scans", result.predicted_scans},
+      {"local_maps", result.maps.size()},
+      {"path_length_m", path_length(result.solution.trajectory)},
+      {"closures", closures},
+      {"timing_s",
+       {{"read", t.read},
+        {"odometry", t.odometry},
+        {"local_maps", t.local_maps},
+        {"ground_alignment", t.ground_alignment},
+        {"density_image", t.density_image},
+        {"features", t.features},
+        {"matching", t.matching},
+        {"consensus", t.consensus},
+        {"verification", t.verification},
+        {"levelling", t.levelling},
+        {"optimisation", t.optimisation},
+        {"map_quality", t.map_quality},
+        {"map", t.map},
+        {"total", t.total}}},
+      {"timing_deviation_s",
+       {{"ground_alignment", deviation(t.ground_alignment, t.squares.ground_alignment)},
+        {"detection", deviation(t.density_image + t.features + t.matching, t.squares.detection)},
+        {"consensus", deviation(t.consensus, t.squares.consensus)}}},
+      {"scans_per_second",
+       t.total > 0.0 ? static_cast<double>(result.odometry.size()) / t.total : 0.0},
+      {"peak_memory_mb", peak_memory_mb()},
+      {"pose_graph",
+       {{"odometry_scale", result.solution.odometry_scale},
+        {"key_poses", summary_document(result.solution.key_summary)},
+        {"all_scans", summary_document(result.solution.summary)}}}};
   const Levelling& levelling = result.solution.levelling;
   document["levelling"] = {
       {"applied", levelling.applied},       {"maps", levelling.maps},

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x34304b4345484347ULL;  // "GCHECK04"
+constexpr std::uint64_t kMagic = 0x35304b4345484347ULL;  // "GCHECK05"
 
 // A closure as it goes into the file; a session of one recording names none.
 struct StoredClosure {

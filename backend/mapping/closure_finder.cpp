@@ -70,10 +70,12 @@ ClosureFinder::ClosureFinder(const SessionFolder& folder, const LoopClosureOptio
 void ClosureFinder::add(const LocalMap& map) {
   store_.put(map);
   maps_.push_back({map.id, map.first_scan, map.last_scan, map.points.size(), map.T_world_map});
-  MapDescription description = describe_map({0, map.id}, map.points, loop_closure_, &times_);
-  for (const ClosureCandidate& candidate : database_.query(description, &times_)) {
+  LoopClosureTimes times;
+  MapDescription description = describe_map({0, map.id}, map.points, loop_closure_, &times);
+  for (const ClosureCandidate& candidate : database_.query(description, &times)) {
     closures_.push_back(verify(candidate));
   }
+  times_.add_map(times);
   database_.insert(std::move(description));
 }
 

@@ -84,6 +84,9 @@ class ScanProcessing {
     times.features += t.features;
     times.matching += t.matching;
     times.consensus += t.consensus;
+    times.squares.ground_alignment += t.squares.ground_alignment;
+    times.squares.detection += t.squares.detection;
+    times.squares.consensus += t.squares.consensus;
     times.verification += state_.finder.verification_seconds();
     times.total += seconds_since(start_);
   }

@@ -23,7 +23,7 @@ Result with_closures(const std::string& subject, std::size_t references,
   Result r;
   r.kind = "recording";
   r.subject = subject;
-  r.detections = Detections{references, 0, 10, std::move(closures)};
+  r.detections = Detections{references, 0, 10, true, std::move(closures)};
   return r;
 }
 
@@ -64,6 +64,14 @@ TEST(Combine, PoolsTheCurvesOfRecordings) {
   EXPECT_DOUBLE_EQ(combine(*find_measure("ap_pose"), pointers(results)).value.value(), 0.25);
   // Left out: a gives 0, b gives 2/3. Their spread about the mean of 1/3, times (n - 1) / n.
   EXPECT_NEAR(ap.error.value(), std::sqrt(0.5 * 2.0 / 9.0), 1e-12);
+}
+
+TEST(Combine, ADetectorWithoutPosesHasNoFigureOfThem) {
+  Result r = with_closures("a", 1, {{9, true, false, false}});
+  EXPECT_DOUBLE_EQ(combine(*find_measure("ap_pose"), pointers({r})).value.value(), 0.0);
+  r.detections->poses = false;
+  EXPECT_FALSE(combine(*find_measure("ap_pose"), pointers({r})).value);
+  EXPECT_DOUBLE_EQ(combine(*find_measure("ap"), pointers({r})).value.value(), 1.0);
 }
 
 TEST(Combine, UncertainPairsCountOnNeitherSide) {
