@@ -204,7 +204,7 @@ TEST_F(Faults, OfMemory) {
       command("run", run_arguments(0, root_ / "out"), root_ / "out", "--resume");
   const long allocations = testing::count_operations(run).at("alloc");
   const testing::SeriesCounts counts = testing::run_series(run, "alloc", allocations, "ENOMEM",
-                                                           std::max(1L, allocations / stride(40)));
+                                                           stride(std::max(1L, allocations / 40)));
   std::printf("| run | alloc | %ld | %d | %d | %d | %d |\n", allocations, counts.injected,
               counts.refused, counts.survived, counts.killed);
 }
