@@ -17,14 +17,20 @@ function(groundloop_library name)
 endfunction()
 
 function(groundloop_compile_options name)
-  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-                         -Wno-sign-conversion -Wno-restrict -Wno-maybe-uninitialized -ffp-contract=off
-                         "$<$<BOOL:${GROUNDLOOP_WERROR}>:-Werror;-Wno-error=array-bounds;-Wno-error=stringop-overflow;-Wno-error=stringop-overread>")
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                         -ffp-contract=off $<$<BOOL:${GROUNDLOOP_WERROR}>:-Werror>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${name} PRIVATE -Wno-restrict -Wno-maybe-uninitialized -Wno-error=array-bounds
+                           -Wno-error=stringop-overflow -Wno-error=stringop-overread)
+  endif()
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${name} PRIVATE -O3)
   endif()
   if(GROUNDLOOP_SANITIZE)
-    target_compile_options(${name} PUBLIC -fsanitize=${GROUNDLOOP_SANITIZE} -fno-omit-frame-pointer)
+    # What is found ends the program; the checks of the standard library and of Eigen are on as well.
+    target_compile_options(${name} PUBLIC -fsanitize=${GROUNDLOOP_SANITIZE} -fno-sanitize-recover=all
+                           -fno-omit-frame-pointer -UNDEBUG)
+    target_compile_definitions(${name} PUBLIC GROUNDLOOP_SANITIZED _GLIBCXX_ASSERTIONS)
     target_link_options(${name} PUBLIC -fsanitize=${GROUNDLOOP_SANITIZE})
   endif()
 endfunction()

@@ -86,18 +86,19 @@ void write(Writer& out, const MapDescription& d) {
 }
 
 // A checksum tells damage, not what somebody else's program wrote: no number that is none, or that
-// no map could have, goes on from here.
+// no map could have, goes on from here. (maxCoeff would lose a NaN.)
 void check_plausible(const MapDescription& d, const Reader& in) {
-  constexpr float kFar = 1e5F;  // m
+  constexpr float kFar = 1e5F;   // m
+  constexpr float kTurn = 7.0F;  // rad, a little more than a whole one
   if (d.key.session < 0 || d.key.map < 0) in.fail("a map or session has a negative number");
-  if (!d.T_ground_map.translation.allFinite() || !std::isfinite(d.ground_quality) ||
-      !(std::abs(d.T_ground_map.rotation.norm() - 1.0) < 1e-6))
+  if (!(d.T_ground_map.translation.array().abs() < static_cast<double>(kFar)).all() ||
+      !std::isfinite(d.ground_quality) || !(std::abs(d.T_ground_map.rotation.norm() - 1.0) < 1e-6))
     in.fail("the ground alignment is no pose");
   for (const Eigen::Vector2f& keypoint : d.keypoints) {
-    if (!(keypoint.cwiseAbs().maxCoeff() < kFar)) in.fail("a keypoint lies nowhere near the map");
+    if (!(keypoint.array().abs() < kFar).all()) in.fail("a keypoint lies nowhere near the map");
   }
   for (const float orientation : d.orientations) {
-    if (!std::isfinite(orientation)) in.fail("an orientation is no number");
+    if (!(std::abs(orientation) < kTurn)) in.fail("an orientation is no angle");
   }
 }
 

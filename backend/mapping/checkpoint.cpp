@@ -16,8 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x35304b4345484347ULL;  // "GCHECK05"
-
 // A closure as it goes into the file; a session of one recording names none.
 struct StoredClosure {
   int reference_map, query_map, source, matches, inliers, status, has_overlap, has_rmse,
@@ -100,7 +98,7 @@ void Checkpoint::save(const RunState& state) const {
   put_all(body, closures);
   put_all(body, state.finder.database().bytes());
   const std::string_view bytes = body.view();
-  const std::array<std::uint64_t, 2> head{kMagic, checksum(bytes)};
+  const std::array<std::uint64_t, 2> head{kCheckpointMagic, checksum(bytes)};
   OutputFile out(file_);
   out.write(head.data(), sizeof head);
   out.write(bytes);
@@ -112,7 +110,8 @@ void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const 
   std::istringstream in(text);
   std::array<std::uint64_t, 2> head{};
   get(in, head);
-  if (!in || head[0] != kMagic || head[1] != checksum(std::string_view(text).substr(sizeof head))) {
+  if (!in || head[0] != kCheckpointMagic ||
+      head[1] != checksum(std::string_view(text).substr(sizeof head))) {
     throw InputError(file_.string() +
                      ": the checkpoint is damaged or of another version; run again with "
                      "--overwrite");

@@ -10,6 +10,9 @@
 
 namespace groundloop {
 
+/// "GCHECK05": the first eight bytes of a checkpoint; another version has another number.
+inline constexpr std::uint64_t kCheckpointMagic = 0x35304b4345484347ULL;
+
 class Checkpoint {
  public:
   Checkpoint(const SessionFolder& folder, const SessionIdentity& identity);

@@ -21,12 +21,7 @@ namespace {
 
 // Every file that is read here, by what the manifest says of it.
 void check_files(const SessionFolder& folder, const Manifest& manifest) {
-  std::vector<std::string> needed{"odometry.tum",   "trajectory.tum", "closures.csv",
-                                  "pose_graph.g2o", "local_maps.csv", "loop_database.bin"};
-  for (std::size_t m = 0; m < manifest.local_maps; ++m) {
-    needed.push_back("local_maps/" + folder.local_map(static_cast<int>(m)).filename().string());
-  }
-  for (const std::string& name : needed) {
+  const auto check_file = [&](const std::string& name) {
     const auto sum = manifest.checksums.find(name);
     if (sum == manifest.checksums.end())
       fail(folder.file("manifest.json"), "has no checksum of " + name + "; make the session again");
@@ -35,7 +30,14 @@ void check_files(const SessionFolder& folder, const Manifest& manifest) {
       fail(folder.file(name),
            "differs from the manifest's checksum, so it is damaged; make the session again");
     }
-  }
+  };
+  for (const char* name : {"odometry.tum", "trajectory.tum", "closures.csv", "pose_graph.g2o",
+                           "local_maps.csv", "loop_database.bin"})
+    check_file(name);
+  // As many as the manifest counts, which may be more than there can be: the first missing one ends
+  // it.
+  for (std::size_t m = 0; m < manifest.local_maps; ++m)
+    check_file("local_maps/" + folder.local_map(static_cast<int>(m)).filename().string());
 }
 
 // The recordings of a session; one that is not merged has itself as its only part.
@@ -61,7 +63,8 @@ void check_partition(const fs::path& file, const SessionPart& part) {
   std::size_t next = 0;
   for (std::size_t m = 0; m < part.maps.size(); ++m) {
     const LocalMapRecord& map = part.maps[m];
-    if (map.map != static_cast<int>(m) || map.first_scan != next || map.last_scan < next)
+    if (map.map != static_cast<int>(m) || map.first_scan != next || map.last_scan < next ||
+        map.last_scan >= part.trajectory.size())
       fail(file, "map " + std::to_string(map.map) + " does not follow the one before");
     next = map.last_scan + 1;
   }

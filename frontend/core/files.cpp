@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "frontend/core/error.hpp"
+#include "frontend/core/scan.hpp"
 
 namespace groundloop {
 namespace fs = std::filesystem;
@@ -130,7 +131,7 @@ bool parse_seconds(std::string_view text, std::int64_t& nanoseconds) {
     const auto result = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
     const bool fits =
         whole.empty() || (result.ec == std::errc() && result.ptr == whole.data() + whole.size());
-    if (fits && seconds < 9'000'000'000) {
+    if (fits && seconds < kFarthestStamp / 1'000'000'000) {
       std::string digits(dot == std::string_view::npos ? "" : text.substr(dot + 1));
       if (digits.find('.') != std::string::npos) return false;
       const bool round_up = digits.size() > 9 && digits[9] >= '5';
@@ -143,7 +144,7 @@ bool parse_seconds(std::string_view text, std::int64_t& nanoseconds) {
     }
   }
   double value = 0;
-  if (!parse_double(text, value) || std::abs(value) > 9e9) return false;
+  if (!parse_double(text, value) || std::abs(value) > 1e-9 * kFarthestStamp) return false;
   nanoseconds = static_cast<std::int64_t>(std::llround(value * 1e9));
   return true;
 }

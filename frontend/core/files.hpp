@@ -32,7 +32,7 @@ namespace groundloop {
 /// Seconds with nine decimals from nanoseconds, exactly.
 [[nodiscard]] std::string seconds_text(std::int64_t nanoseconds);
 /// Nanoseconds from decimal seconds ("1317354879.123456789", also "1.5e3"), exact to the nanosecond
-/// for plain decimals. Returns false where the text is no finite number.
+/// for plain decimals. Returns false where the text is no number, or beyond kFarthestStamp.
 [[nodiscard]] bool parse_seconds(std::string_view text, std::int64_t& nanoseconds);
 /// A finite double from the whole of `text`; returns false otherwise.
 [[nodiscard]] bool parse_double(std::string_view text, double& value);

@@ -1,5 +1,6 @@
 #include "frontend/core/pcd.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <string>
@@ -49,6 +50,12 @@ Points read_pcd(const std::filesystem::path& file) {
   Points points(count);
   const std::byte* source = bytes.data() + data_at + data_line.size();
   if (count > 0) std::memcpy(points.front().data(), source, count * sizeof(Eigen::Vector3f));
+  const auto broken = std::find_if_not(points.begin(), points.end(),
+                                       [](const Eigen::Vector3f& p) { return p.allFinite(); });
+  if (broken != points.end()) {
+    throw InputError(file.string() + ": point " + std::to_string(broken - points.begin()) +
+                     " is no number; run the session again");
+  }
   return points;
 }
 

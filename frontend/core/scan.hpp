@@ -15,6 +15,13 @@ using Points = std::vector<Eigen::Vector3f>;
 /// Nanoseconds since an epoch that the recording chooses; printed as seconds.
 using Nanoseconds = std::int64_t;
 
+/// Every reader refuses stamps farther than this (142 years) from their epoch, so that the
+/// difference of any two of them, and a minute more, fits.
+inline constexpr Nanoseconds kFarthestStamp = 4'500'000'000'000'000'000;
+[[nodiscard]] inline bool is_stamp(Nanoseconds time) {
+  return time >= -kFarthestStamp && time <= kFarthestStamp;
+}
+
 struct Scan {
   /// The instant the scan's pose refers to: the start of the scan unless the format says otherwise.
   Nanoseconds stamp = 0;

@@ -16,7 +16,8 @@ constexpr std::size_t kBlock = 8192;
 class SweepSteps {
  public:
   SweepSteps(const SensorMotion& motion, double reference_time, float first, float last)
-      : first_(first), scale_(last > first ? static_cast<float>(kSteps) / (last - first) : 0.0F) {
+      : first_(first),
+        scale_(last - first > kShortest ? static_cast<float>(kSteps) / (last - first) : 0.0F) {
     steps_.reserve(kSteps + 2);
     for (std::size_t i = 0; i <= kSteps + 1; ++i) {
       const double t = first + (last - first) * static_cast<double>(i) / kSteps;
@@ -33,6 +34,8 @@ class SweepSteps {
 
  private:
   static constexpr std::size_t kSteps = 64;
+  // Within less no sensor moves; and what divides by much less is no number.
+  static constexpr float kShortest = 1e-6F;  // s
   float first_;
   float scale_;
   std::vector<PoseF> steps_;

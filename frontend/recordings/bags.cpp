@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <limits>
 
-#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/bag_recording.hpp"
 #include "frontend/recordings/compression.hpp"
+#include "frontend/recordings/unpacked_file.hpp"
 
 namespace groundloop::recordings {
 namespace fs = std::filesystem;
@@ -35,8 +35,6 @@ std::vector<fs::path> all_paths(const fs::path& path, const RecordingOptions& op
   return paths;
 }
 
-using FileOpener = std::unique_ptr<MessageFile> (*)(const fs::path&);
-
 std::unique_ptr<Recording> open_files(const fs::path& path, const RecordingOptions& options,
                                       const char* format, const char* extension,
                                       FileOpener open_file) {
@@ -55,6 +53,26 @@ struct Metadata {
   bool message_compression = false;
 };
 
+// A file of the bag by what metadata.yaml calls it. Bags before version 4 put the folder's own name
+// before it. A bag that somebody else made does not choose which files of this machine are read.
+fs::path named_file(const fs::path& metadata, const std::string& name) {
+  const fs::path folder = metadata.parent_path();
+  fs::path relative = fs::path(name).lexically_normal();
+  std::error_code error;
+  const fs::path own = fs::absolute(folder, error).lexically_normal();
+  const fs::path own_name = own.has_filename() ? own.filename() : own.parent_path().filename();
+  if (relative.has_parent_path() && *relative.begin() == own_name &&
+      !fs::exists(folder / relative, error))
+    relative = relative.lexically_relative(own_name);
+  const bool inside = relative.is_relative() && !relative.empty() && *relative.begin() != "..";
+  if (!inside) {
+    throw InputError(metadata.string() + ": names '" + name +
+                     "', which lies outside the bag's folder; put the file into the folder and "
+                     "its plain name into relative_file_paths");
+  }
+  return folder / relative;
+}
+
 Metadata read_metadata(const fs::path& file) {
   Metadata metadata;
   try {
@@ -64,7 +82,7 @@ Metadata read_metadata(const fs::path& file) {
       throw InputError(file.string() + ": has no relative_file_paths; is this a ROS 2 bag?");
     }
     for (const YAML::Node& name : bag["relative_file_paths"]) {
-      metadata.files.push_back(file.parent_path() / name.as<std::string>());
+      metadata.files.push_back(named_file(file, name.as<std::string>()));
     }
     const std::string mode =
         bag["compression_mode"] ? bag["compression_mode"].as<std::string>() : "";
@@ -90,54 +108,6 @@ std::vector<fs::path> storage_files(const fs::path& folder) {
   }
   return files;
 }
-
-// A decompressed copy that goes with the recording.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& compressed) {
-    static int number = 0;
-    path_ =
-        fs::temp_directory_path() / ("groundloop." + std::to_string(::getpid()) + "." +
-                                     std::to_string(number++) + "." + compressed.stem().string());
-    try {
-      decompress_zstd_file(compressed, path_);
-    } catch (...) {
-      remove();
-      throw;
-    }
-  }
-  ~TemporaryFile() { remove(); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  void remove() {
-    std::error_code error;
-    fs::remove(path_, error);
-  }
-  fs::path path_;
-};
-
-// Keeps the decompressed copy as long as it is read.
-class CopiedFile final : public MessageFile {
- public:
-  CopiedFile(std::unique_ptr<TemporaryFile> copy, std::unique_ptr<MessageFile> inner)
-      : copy_(std::move(copy)), inner_(std::move(inner)) {
-    topics_ = inner_->topics();
-    notes_ = inner_->notes();
-  }
-  std::vector<MessageEntry> messages(const std::string& topic) override {
-    return inner_->messages(topic);
-  }
-  void read(const MessageEntry& entry, std::size_t limit, std::vector<std::byte>& out) override {
-    inner_->read(entry, limit, out);
-  }
-
- private:
-  std::unique_ptr<TemporaryFile> copy_;
-  std::unique_ptr<MessageFile> inner_;
-};
 
 // A file whose messages are zstd frames, each on its own.
 class CompressedMessages final : public MessageFile {
@@ -166,9 +136,8 @@ class CompressedMessages final : public MessageFile {
 std::unique_ptr<MessageFile> open_storage(const fs::path& file, bool compressed_messages) {
   std::unique_ptr<MessageFile> opened;
   if (file.extension() == ".zstd") {
-    auto copy = std::make_unique<TemporaryFile>(file);
-    auto inner = open_storage(copy->path(), false);
-    opened = std::make_unique<CopiedFile>(std::move(copy), std::move(inner));
+    const FileOpener open = file.stem().extension() == ".mcap" ? open_mcap_file : open_sqlite_file;
+    opened = open_unpacked(file, open);
   } else {
     opened = file.extension() == ".mcap" ? open_mcap_file(file) : open_sqlite_file(file);
   }

@@ -1,14 +1,20 @@
 #include "frontend/recordings/compression.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <memory>
 
 #include <bzlib.h>
+#include <fcntl.h>
 #include <lz4frame.h>
+#include <unistd.h>
 #include <zstd.h>
 
 #include "frontend/core/error.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop::recordings {
 
@@ -16,6 +22,8 @@ namespace {
 
 constexpr std::uint64_t kLargest = 1ULL << 31U;
 constexpr std::uint64_t kUnsuspicious = 1ULL << 26U;
+constexpr std::uint64_t kGreatestRatio = 1000;
+constexpr std::uint64_t kLongestFile = 1ULL << 50U;
 
 bool decompress_lz4(std::span<const std::byte> in, std::vector<std::byte>& out) {
   LZ4F_dctx* raw = nullptr;
@@ -68,8 +76,12 @@ std::optional<Compression> compression_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::uint64_t largest_unpacked(std::uint64_t stored) {
+  return std::max(kUnsuspicious, kGreatestRatio * std::min(stored, kLongestFile));
+}
+
 bool is_plausible_size(std::uint64_t stored, std::uint64_t announced) {
-  return announced <= kUnsuspicious || (announced <= kLargest && announced / 1000 <= stored);
+  return announced <= kLargest && announced <= largest_unpacked(stored);
 }
 
 bool decompress(Compression kind, std::span<const std::byte> in, std::size_t size,
@@ -95,12 +107,23 @@ bool decompress_zstd(std::span<const std::byte> in, std::vector<std::byte>& out)
 }
 
 void decompress_zstd_file(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::ifstream in(from, std::ios::binary);
-  std::ofstream out(to, std::ios::binary | std::ios::trunc);
-  if (!in) throw InputError(from.string() + ": cannot be opened; check its permissions");
+  std::uintmax_t stored = 0;
+  std::ifstream in = open_for_reading(from, stored);
+  // Nothing that was there is followed or written over.
+  const FileDescriptor out(
+      ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+  const auto fail_to_write = [&](int error) -> InputError {
+    return InputError(to.string() + ": cannot be written: " + write_error_text(error) +
+                      "; unpacking " + from.string() +
+                      " needs room there (TMPDIR names another "
+                      "folder)");
+  };
+  if (!out) throw fail_to_write(errno);
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
                                                                      &ZSTD_freeDCtx);
   std::vector<char> input(ZSTD_DStreamInSize()), output(ZSTD_DStreamOutSize());
+  const std::uint64_t most = largest_unpacked(stored);
+  std::uint64_t unpacked = 0;
   std::size_t state = 1;  // 0 once a frame is complete
   while (in) {
     in.read(input.data(), static_cast<std::streamsize>(input.size()));
@@ -112,14 +135,22 @@ void decompress_zstd_file(const std::filesystem::path& from, const std::filesyst
         throw InputError(from.string() + ": its compressed data are broken (" +
                          ZSTD_getErrorName(state) + ")");
       }
-      out.write(output.data(), static_cast<std::streamsize>(sink.pos));
+      unpacked += sink.pos;
+      if (unpacked > most) {
+        throw InputError(
+            from.string() + ": unpacks to more than " + std::to_string(most) + " bytes from " +
+            std::to_string(stored) +
+            ", which no recording does; unpack it by hand with `zstd -d` if it is one");
+      }
+      for (std::size_t done = 0; done < sink.pos;) {
+        const ssize_t written = ::write(out.get(), output.data() + done, sink.pos - done);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) throw fail_to_write(errno);
+        done += static_cast<std::size_t>(written);
+      }
     }
   }
   if (state != 0) throw InputError(from.string() + ": its compressed data are cut off");
-  if (!out.flush()) {
-    throw InputError(to.string() + ": cannot be written; decompressing " + from.string() +
-                     " needs room there (set TMPDIR)");
-  }
 }
 
 std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t crc) {

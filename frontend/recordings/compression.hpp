@@ -17,6 +17,8 @@ enum class Compression { none, lz4, bz2, zstd };
 /// By the name that bags use ("", "none", "lz4", "bz2", "zstd"); nothing for others.
 [[nodiscard]] std::optional<Compression> compression_of(std::string_view name);
 
+/// What `stored` bytes may unpack to: a thousandfold, or 64 MiB.
+[[nodiscard]] std::uint64_t largest_unpacked(std::uint64_t stored);
 /// False where `announced` bytes cannot have come out of `stored` ones, or are more than 2 GiB.
 [[nodiscard]] bool is_plausible_size(std::uint64_t stored, std::uint64_t announced);
 
@@ -27,7 +29,8 @@ enum class Compression { none, lz4, bz2, zstd };
 /// Decompresses a zstd frame that tells its own size; false where it is broken or tells none.
 [[nodiscard]] bool decompress_zstd(std::span<const std::byte> in, std::vector<std::byte>& out);
 
-/// Decompresses a .zstd file to `to`, in bounded memory. Throws InputError naming the file.
+/// Decompresses a .zstd file to `to`, which must not be there yet, in bounded memory and to at most
+/// largest_unpacked() bytes. Throws InputError naming the file.
 void decompress_zstd_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// CRC-32 (IEEE 802.3); `crc` continues an earlier call's result.

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
@@ -10,6 +11,21 @@
 
 namespace groundloop::recordings {
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Nanoseconds kNoStamp = std::numeric_limits<Nanoseconds>::max();
+
+// "1326030975726043", exactly; also "1326030975726043.0" and "1.326030975726043e15".
+std::int64_t whole_number(std::string_view text, double value) {
+  std::int64_t whole = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), whole);
+  const std::string_view rest = text.substr(static_cast<std::size_t>(result.ptr - text.data()));
+  if (result.ec == std::errc() && rest.find_first_of("eE") == std::string_view::npos) return whole;
+  return std::abs(value) < 9e18 ? std::llround(value) : kNoStamp;
+}
+
+}  // namespace
 
 NumberTable read_numbers(const fs::path& file, bool nan_allowed) {
   const std::string text = read_text(file);
@@ -44,16 +60,24 @@ NumberTable read_numbers(const fs::path& file, bool nan_allowed) {
                        std::to_string(row.size()) + " columns, the lines before have " +
                        std::to_string(table.columns));
     }
-    Nanoseconds seconds = 0, whole = 0;
-    if (!parse_seconds(words[0], seconds)) seconds = 0;
-    std::from_chars(words[0].data(), words[0].data() + words[0].size(), whole);
+    Nanoseconds seconds = 0;
+    if (!parse_seconds(words[0], seconds)) seconds = kNoStamp;
+    table.whole.push_back(whole_number(words[0], row[0]));
     table.rows.push_back(std::move(row));
     table.lines.push_back(number);
     table.seconds.push_back(seconds);
-    table.whole.push_back(whole);
   }
   if (table.rows.empty()) throw InputError(file.string() + ": holds no line of numbers");
   return table;
+}
+
+Nanoseconds stamp_of_row(const fs::path& file, const NumberTable& table, std::size_t row,
+                         Nanoseconds nanoseconds) {
+  const std::int64_t value = table.whole[row];
+  if (value >= -kFarthestStamp / nanoseconds && value <= kFarthestStamp / nanoseconds)
+    return value * nanoseconds;
+  throw InputError(file.string() + ":" + std::to_string(table.lines[row]) + ": " +
+                   std::to_string(value) + " is no stamp");
 }
 
 Trajectory read_ground_truth(const fs::path& file, const std::vector<Nanoseconds>& stamps) {
@@ -79,13 +103,22 @@ Trajectory read_ground_truth(const fs::path& file, const std::vector<Nanoseconds
     StampedPose sample;
     std::size_t at = 1;
     if (table.columns == 9) {
-      sample.stamp = table.whole[i] * 1'000'000'000 + std::llround(row[1]);
+      sample.stamp = stamp_of_row(file, table, i, 1'000'000'000);
+      if (!(row[1] >= 0.0 && row[1] < 1e10)) {
+        throw InputError(file.string() + ":" + std::to_string(table.lines[i]) + ": " +
+                         to_text(row[1]) + " are no nanoseconds of a second");
+      }
+      sample.stamp += std::llround(row[1]);
       at = 2;
     } else {
-      sample.stamp = std::abs(row[0]) > 1e12 ? table.whole[i] : table.seconds[i];
+      sample.stamp = std::abs(row[0]) > 1e12 ? stamp_of_row(file, table, i, 1) : table.seconds[i];
+      if (!is_stamp(sample.stamp)) {
+        throw InputError(file.string() + ":" + std::to_string(table.lines[i]) + ": " +
+                         to_text(row[0]) + " is no stamp in seconds");
+      }
     }
     const Eigen::Quaterniond q(row[at + 6], row[at + 3], row[at + 4], row[at + 5]);
-    if (std::abs(q.norm() - 1.0) > 1e-2) {
+    if (!(std::abs(q.norm() - 1.0) <= 1e-2)) {
       throw InputError(file.string() + ":" + std::to_string(table.lines[i]) +
                        ": the quaternion has norm " + to_text(q.norm()) + ", expected 1");
     }

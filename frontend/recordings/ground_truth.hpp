@@ -16,11 +16,16 @@ struct NumberTable {
   std::vector<std::vector<double>> rows;
   std::vector<std::size_t> lines;    ///< line number of each row
   std::vector<Nanoseconds> seconds;  ///< first column read as decimal seconds, exactly
-  std::vector<Nanoseconds> whole;    ///< first column read as a whole number, 0 where it is none
+  std::vector<Nanoseconds> whole;    ///< first column read as a whole number
   std::size_t without_numbers = 0;   ///< rows left out, as they hold a NaN
 };
 /// With `nan_allowed`, rows that hold a NaN are left out and counted; else they are errors.
 [[nodiscard]] NumberTable read_numbers(const std::filesystem::path& file, bool nan_allowed = false);
+
+/// Column 0 of a row, a whole number of units of so many nanoseconds, as a stamp. Throws InputError
+/// naming file and line where it is too far to be one.
+[[nodiscard]] Nanoseconds stamp_of_row(const std::filesystem::path& file, const NumberTable& table,
+                                       std::size_t row, Nanoseconds nanoseconds);
 
 /// TUM (8 columns), TUM with seconds and nanoseconds apart (9), or KITTI (12, one row a scan,
 /// stamped with `stamps`). A first column beyond 1e12 is nanoseconds. Throws InputError where the

@@ -35,8 +35,8 @@ bool parse_date(const std::string& line, Nanoseconds& stamp) {
   Nanoseconds seconds = 0;
   std::string rest = line.substr(static_cast<std::size_t>(used));
   while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.pop_back();
-  if (!date.ok() || year < 1970 || year > 2200 || hour < 0 || minute < 0 || hour > 23 ||
-      minute > 59 || !parse_seconds(rest, seconds))
+  if (!date.ok() || year < 1970 || year > 2100 || hour < 0 || minute < 0 || hour > 23 ||
+      minute > 59 || !parse_seconds(rest, seconds) || seconds < 0 || seconds > 61'000'000'000)
     return false;
   const auto days = std::chrono::sys_days(date).time_since_epoch().count();
   stamp = ((static_cast<Nanoseconds>(days) * 24 + hour) * 60 + minute) * 60'000'000'000 + seconds;

@@ -36,7 +36,7 @@ bool is_magic(std::span<const std::byte> bytes) {
 
 // A time that fits, whatever stands in a broken file.
 Nanoseconds to_time(std::uint64_t value) {
-  return static_cast<Nanoseconds>(std::min<std::uint64_t>(value, 9'000'000'000'000'000'000U));
+  return static_cast<Nanoseconds>(std::min<std::uint64_t>(value, kFarthestStamp));
 }
 
 class McapFile final : public MessageFile {

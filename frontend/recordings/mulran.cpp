@@ -52,7 +52,8 @@ class MulranRecording final : public ScanFiles {
       std::copy(table.rows[i].begin() + 1, table.rows[i].end(), matrix);
       const Pose T_world_base =
           pose_from_matrix(matrix, file.string() + ":" + std::to_string(table.lines[i]) + ": ");
-      ground_truth_.push_back({table.whole[i], T_world_base * mulran_base_from_lidar()});
+      ground_truth_.push_back(
+          {stamp_of_row(file, table, i, 1), T_world_base * mulran_base_from_lidar()});
     }
     info_.notes.emplace_back(
         "Ground truth is global_pose.csv, brought from the vehicle to the LiDAR with the dataset's "

@@ -58,10 +58,10 @@ Trajectory read_truth(const fs::path& path, bool of_velodyne, RecordingInfo& inf
     const Pose T_body_sensor = of_velodyne ? nclt_body_from_velodyne() : Pose();
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
       const std::vector<double>& r = table.rows[i];
+      const Nanoseconds stamp = stamp_of_row(file, table, i, 1000);
       const Pose T_world_body(from_roll_pitch_yaw(r[4], r[5], r[6]),
                               Eigen::Vector3d(r[1], r[2], r[3]));
-      truth.push_back(
-          {table.whole[i] * 1000, nclt_flip() * T_world_body * T_body_sensor * nclt_flip()});
+      truth.push_back({stamp, nclt_flip() * T_world_body * T_body_sensor * nclt_flip()});
     }
     info.notes.push_back("Ground truth is " + file.filename().string() + ", turned to z upward" +
                          (of_velodyne ? " and brought to the LiDAR." : "."));
@@ -179,7 +179,7 @@ class HitsRecording final : public Recording {
     }
     packet = header(buffer_.data());
     if (!packet.magic || packet.hits > kMostHits || packet.utime < 0 ||
-        packet.utime > 9'000'000'000'000'000) {
+        packet.utime > kFarthestStamp / 1000) {
       throw InputError(file_.string() + ": byte " + std::to_string(offset) +
                        ": no packet of NCLT begins here; the file is broken or of another format");
     }

@@ -50,7 +50,7 @@ void ScanFiles::take_stamps_from_names(Nanoseconds nanoseconds, const char* unit
   std::vector<std::pair<Nanoseconds, fs::path>> stamped;
   for (const fs::path& file : files_) {
     const auto number = numeric_stem(file);
-    if (!number || *number > 9'000'000'000'000'000'000 / nanoseconds) {
+    if (!number || *number > kFarthestStamp / nanoseconds) {
       throw InputError(file.string() + ": its name is no stamp in " + unit +
                        "; remove it or give --format");
     }

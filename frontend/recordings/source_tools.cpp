@@ -40,7 +40,8 @@ std::optional<Nanoseconds> seconds_and_nanoseconds(std::string_view stem) {
   const auto s = whole_number(stem.substr(begin, second - begin));
   const auto ns = whole_number(stem.substr(second + 1));
   // Seconds of an epoch clock; smaller numbers are more likely two counters.
-  if (!s || !ns || *s < 100'000'000 || *s > 9'000'000'000 || *ns >= kSecond) return std::nullopt;
+  if (!s || !ns || *s < 100'000'000 || *s >= kFarthestStamp / kSecond || *ns >= kSecond)
+    return std::nullopt;
   return *s * kSecond + *ns;
 }
 
@@ -176,7 +177,7 @@ std::optional<NameStamps> stamps_from_names(std::vector<fs::path>& files) {
     const Nanoseconds unit = unit_of_names(whole);
     if (unit == 0) return std::nullopt;
     for (std::size_t i = 0; i < whole.size(); ++i) {
-      if (whole[i] > std::numeric_limits<Nanoseconds>::max() / unit) return std::nullopt;
+      if (whole[i] > kFarthestStamp / unit) return std::nullopt;
       stamped.emplace_back(whole[i] * unit, files[i]);
     }
     result.unit = unit == 1 ? "ns" : unit == 1'000 ? "us" : unit == 1'000'000 ? "ms" : "s";

@@ -1,4 +1,5 @@
 // The sqlite3 storage of ROS 2 bags: tables `topics` and `messages`.
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -11,6 +12,11 @@ namespace groundloop::recordings {
 namespace fs = std::filesystem;
 
 namespace {
+
+// A time that fits, whatever stands in a broken file.
+Nanoseconds to_time(std::int64_t value) {
+  return std::clamp<std::int64_t>(value, -kFarthestStamp, kFarthestStamp);
+}
 
 // A prepared statement; steps throw with the database's own words.
 class Statement {
@@ -76,8 +82,8 @@ class SqliteFile final : public MessageFile {
       if (it == index.end()) continue;
       Topic& topic = topics_[it->second];
       topic.messages = static_cast<std::size_t>(counts.integer(1));
-      topic.first = counts.integer(2);
-      topic.last = counts.integer(3);
+      topic.first = to_time(counts.integer(2));
+      topic.last = to_time(counts.integer(3));
     }
     whole_ = std::make_unique<Statement>(database_.get(), file_.string(),
                                          "SELECT data FROM messages WHERE id = ?");
@@ -92,7 +98,7 @@ class SqliteFile final : public MessageFile {
                    "topic_id = topics.id ORDER BY messages.id");
     while (list.step()) {
       if (list.text(2) != topic) continue;
-      entries.push_back({list.integer(1), static_cast<std::uint64_t>(list.integer(0)), 0});
+      entries.push_back({to_time(list.integer(1)), static_cast<std::uint64_t>(list.integer(0)), 0});
     }
     return entries;
   }

@@ -118,7 +118,9 @@ std::vector<std::byte> parse_text_records(std::span<const std::byte> bytes, std:
                                           const std::string& where) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   // Every value takes two characters at least; this bounds the memory by the file's size.
-  const std::size_t shortest = 2 * std::max<std::size_t>(columns.size(), 1);
+  std::size_t values = 0;
+  for (const std::size_t n : columns) values += n;
+  const std::size_t shortest = 2 * std::max<std::size_t>(values, 1);
   if (count > (bytes.size() - begin) / shortest + 1) {
     throw InputError(where + ": " + std::to_string(count) + " points are announced, but only " +
                      std::to_string(bytes.size() - begin) + " bytes follow; it is cut off");

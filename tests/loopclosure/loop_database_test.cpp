@@ -1,6 +1,7 @@
 #include "loopclosure/loop_database.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -212,6 +213,38 @@ TEST(DescribeMap, WithoutUsablePointsHasNoFeatures) {
     const MapDescription d = describe_map({0, 0}, points, {});
     EXPECT_TRUE(d.descriptors.empty());
     EXPECT_TRUE(d.keypoints.empty());
+  }
+}
+
+// A file of somebody else may have a right checksum: a NaN beside a good number, and an angle that
+// is none, ended in a segmentation fault.
+TEST(LoopDatabase, RefusesNumbersThatNoMapHas) {
+  MapDescription good;
+  good.keypoints = {{1, 2}, {3, 4}};
+  good.orientations = {0.5F, 6.0F};
+  good.descriptors.resize(2);
+  const auto read_back = [](const MapDescription& description) {
+    LoopDatabase database{LoopClosureOptions{}};
+    database.insert(description);
+    return LoopDatabase::from_bytes(database.bytes(), "file", {}).descriptions().size();
+  };
+  EXPECT_EQ(read_back(good), 1U);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const Eigen::Vector2f& keypoint :
+       {Eigen::Vector2f(kNan, 1), Eigen::Vector2f(1, kNan), Eigen::Vector2f(1, 1e30F)}) {
+    MapDescription bad = good;
+    bad.keypoints[1] = keypoint;
+    EXPECT_THROW((void)read_back(bad), InputError) << keypoint.transpose();
+  }
+  for (const float orientation : {kNan, 1e30F, -8.0F}) {
+    MapDescription bad = good;
+    bad.orientations[0] = orientation;
+    EXPECT_THROW((void)read_back(bad), InputError) << orientation;
+  }
+  for (const int axis : {0, 1, 2}) {
+    MapDescription bad = good;
+    bad.T_ground_map.translation[axis] = static_cast<double>(kNan);
+    EXPECT_THROW((void)read_back(bad), InputError) << axis;
   }
 }
 
