@@ -52,9 +52,8 @@ struct BlockCholesky::Parts {
   std::vector<int> start;            // first scalar of each block as given, and the number of all
   std::vector<int> first;            // first scalar of each block in order of elimination
   std::vector<Place> diagonal, pairs;
-  std::vector<std::size_t> diagonal_entries;
   std::vector<int> column_start, row_index;
-  std::vector<double> values, damped;
+  std::vector<double> values;
   cholmod_common common{};
   cholmod_sparse matrix{};
   cholmod_factor* factor = nullptr;
@@ -155,7 +154,6 @@ void BlockCholesky::Parts::lay_out(const std::vector<std::pair<int, int>>& below
     for (const int q : under[p]) height += sizes[block_at[q]];
     diagonal[b] = {static_cast<std::size_t>(column_start.back()), height, false};
     for (int c = 0; c < sizes[b]; ++c) {
-      diagonal_entries.push_back(static_cast<std::size_t>(column_start.back() + c));
       for (int r = 0; r < sizes[b]; ++r) row_index.push_back(first[b] + r);
       for (const int q : under[p]) {
         for (int r = 0; r < sizes[block_at[q]]; ++r) row_index.push_back(first[block_at[q]] + r);
@@ -239,16 +237,10 @@ void BlockCholesky::add_pair(std::size_t pair, const Eigen::Ref<const Eigen::Mat
   }
 }
 
-bool BlockCholesky::factorise(double damping) {
+bool BlockCholesky::factorise() {
   Parts& p = *parts_;
   if (p.rows() == 0) return true;
   p.matrix.x = p.values.data();
-  if (damping > 0.0) {
-    p.damped = p.values;
-    for (const std::size_t at : p.diagonal_entries)
-      p.damped[at] += damping * std::max(p.values[at], 1e-6);
-    p.matrix.x = p.damped.data();
-  }
   const SingleThreadedAlgebra one_thread;
   cholmod_factorize(&p.matrix, p.factor, &p.common);
   return p.common.status == CHOLMOD_OK;

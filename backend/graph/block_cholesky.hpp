@@ -27,9 +27,8 @@ class BlockCholesky {
   /// Adds `block` where the first of the pair has its rows and the second its columns.
   void add_pair(std::size_t pair, const Eigen::Ref<const Eigen::MatrixXd>& block);
 
-  /// Factorises the matrix with `damping` times its diagonal added (at least `damping` * 1e-6 an
-  /// entry). Returns false where it is not positive definite.
-  [[nodiscard]] bool factorise(double damping = 0.0);
+  /// Returns false where the matrix is not positive definite.
+  [[nodiscard]] bool factorise();
 
   // Of the factor; rows of vectors follow the order of blocks given.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;

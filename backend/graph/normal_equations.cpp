@@ -63,7 +63,7 @@ Terms terms_of(const Linearised& l, const std::vector<int>& block_of) {
 }  // namespace
 
 struct NormalEquations::Layout {
-  std::vector<int> block_of, variable_of, first_row, sizes;
+  std::vector<int> block_of, first_row, sizes;
   std::vector<std::pair<int, int>> pairs;
 
   Layout(const PoseGraph& graph, const std::vector<char>& held) {
@@ -78,7 +78,6 @@ struct NormalEquations::Layout {
     for (std::size_t v = 0; v < variables; ++v) {
       if (!free[v]) continue;
       block_of[v] = static_cast<int>(sizes.size());
-      variable_of.push_back(static_cast<int>(v));
       sizes.push_back(size_of_variable(graph, static_cast<int>(v)));
       first_row.push_back(first_row.back() + sizes.back());
     }
@@ -102,7 +101,6 @@ NormalEquations::NormalEquations(const PoseGraph& graph, const std::vector<char>
 
 NormalEquations::NormalEquations(Layout layout)
     : block_of_(std::move(layout.block_of)),
-      variable_of_(std::move(layout.variable_of)),
       first_row_(std::move(layout.first_row)),
       sizes_(layout.sizes),
       matrix_(std::move(layout.sizes), layout.pairs) {}
@@ -142,14 +140,6 @@ double NormalEquations::assemble(const PoseGraph& graph) {
     }
   });
   return cost;
-}
-
-void NormalEquations::apply(const Eigen::VectorXd& step, PoseGraph& graph) const {
-  Vector6d part = Vector6d::Zero();
-  for (std::size_t b = 0; b < sizes_.size(); ++b) {
-    part.head(sizes_[b]) = step.segment(first_row_[b], sizes_[b]);
-    perturb(graph, variable_of_[b], part);
-  }
 }
 
 }  // namespace groundloop

@@ -1,5 +1,6 @@
-// The normal equations of a pose graph about its present values: what solving, the evidence of
-// scales and covariances have in common. Factors are linearised in parallel and added in order.
+// The normal equations of a pose graph about its present values: what the evidence of scales and
+// covariances are read from, once Ceres has solved it (solver.hpp). Factors are linearised in
+// parallel and added in order.
 #pragma once
 
 #include <vector>
@@ -22,15 +23,13 @@ class NormalEquations {
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
   /// Block of a variable in the matrix, -1 where it is held.
   [[nodiscard]] int block_of(int variable) const { return block_of_[variable]; }
-  /// Moves all unknowns by a step, laid out as the gradient.
-  void apply(const Eigen::VectorXd& step, PoseGraph& graph) const;
 
  private:
   struct Layout;
   explicit NormalEquations(Layout layout);
 
-  std::vector<int> block_of_;                 // by variable
-  std::vector<int> variable_of_, first_row_;  // by block
+  std::vector<int> block_of_;   // by variable
+  std::vector<int> first_row_;  // by block
   std::vector<int> sizes_;
   BlockCholesky matrix_;
   Eigen::VectorXd gradient_;

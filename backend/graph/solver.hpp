@@ -1,5 +1,6 @@
-// Finds the values of a pose graph that cost least near those it has: Levenberg-Marquardt, nearly
-// undamped while it succeeds.
+// Finds the values of a pose graph that cost least near those it has, with Ceres: every factor is
+// one of its cost functions, by way of its linearise(); Levenberg-Marquardt on sparse normal
+// equations, nearly undamped while it succeeds.
 #pragma once
 
 #include <string>
