@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/reading_options.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/simulation/open_any_recording.hpp"
@@ -163,9 +164,7 @@ void add_inspect_command(CLI::App& app, Context&) {
       ->add_option("RECORDING", arguments->paths,
                    "path of a recording, or of several bags of one, or sim:WORLD?key=value&...")
       ->required();
-  command->add_option("--format", arguments->options.format, "format, where it is not recognised");
-  command->add_option("--topic", arguments->options.topic,
-                      "topic or sensor, where there are several");
+  add_reading_options(*command, arguments->options);
   command->add_flag("--json", arguments->json, "one JSON object on standard output");
   command->callback([arguments] { run(*arguments); });
 }

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/reading_options.hpp"
 #include "apps/commands/run.hpp"
 
 namespace groundloop::apps {
@@ -33,9 +34,7 @@ void add_run_command(CLI::App& app, Context& context) {
                    "path, several bags of one recording, or sim:WORLD?key=value&...")
       ->required();
   command->add_option("--out", request.out, "folder of the session")->required();
-  command->add_option("--format", request.reading.format,
-                      "format of the recording, where it is not recognised");
-  command->add_option("--topic", request.reading.topic, "point-cloud topic of a bag");
+  add_reading_options(*command, request.reading);
   command->add_option("--ground-truth", request.ground_truth,
                       "trajectory to compare with: TUM or KITTI");
   command->add_option("--truth-frame", request.truth_frame,

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "frontend/core/point_attributes.hpp"
+
 namespace groundloop {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -31,6 +33,8 @@ struct Scan {
   /// Seconds from `stamp`, one a point; empty where the recording has no per-point times or needs
   /// no deskewing.
   std::vector<float> times;
+  /// Those that were asked for (RecordingOptions::attributes) and that the recording has.
+  PointAttributes attributes;
 };
 
 }  // namespace groundloop

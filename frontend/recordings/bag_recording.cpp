@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <limits>
 #include <optional>
-#include <set>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/ground_truth.hpp"
+#include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/source_tools.hpp"
 
 namespace groundloop::recordings {
@@ -96,8 +96,8 @@ std::string choose_topic(const std::string& path, const std::vector<Topic>& topi
 class BagRecording final : public Recording {
  public:
   BagRecording(const std::string& path, const char* format, std::vector<NamedFile> files,
-               const std::string& topic, std::vector<std::string> notes)
-      : files_(std::move(files)) {
+               const RecordingOptions& options, std::vector<std::string> notes)
+      : files_(std::move(files)), options_(options) {
     info_.path = path;
     info_.format = format;
     info_.notes = std::move(notes);
@@ -105,7 +105,7 @@ class BagRecording final : public Recording {
       const auto& more = named.file->notes();
       info_.notes.insert(info_.notes.end(), more.begin(), more.end());
     }
-    topic_ = choose_topic(path, all_topics(files_), topic);
+    topic_ = choose_topic(path, all_topics(files_), options.topic);
     gather();
     choose_stamps();
     put_in_order();
@@ -121,8 +121,9 @@ class BagRecording final : public Recording {
   Scan read(std::size_t index) override {
     const Item& item = items_.at(index);
     const Cloud cloud = load(item);
-    Scan scan = decode_points(cloud.table.layout, cloud.data, cloud.table.count, item.stamp, times_,
-                              place(item));
+    const DecodeRequest request{times_ ? &*times_ : nullptr, options_.attributes, nullptr};
+    Scan scan = decode_points(cloud.table.layout, cloud.data, cloud.table.count, item.stamp,
+                              request, place(item));
     require_points(scan, cloud.table.count, place(item));
     return scan;
   }
@@ -232,17 +233,17 @@ class BagRecording final : public Recording {
   }
 
   void learn_layout() {
-    bool has_field = false;
-    for (const std::size_t index : std::set<std::size_t>{0, items_.size() / 2, items_.size() - 1}) {
-      const Cloud cloud = load(items_[index]);
-      if (info_.fields.empty()) info_.fields = cloud.table.layout.described();
-      has_field = has_field || find_time_field(cloud.table.layout) != nullptr;
-      times_ = merge(times_, infer_time_model(cloud.table.layout, cloud.data, cloud.table.count,
-                                              items_[index].stamp, duration_));
+    TimeSurvey survey;
+    for (const std::size_t index : spread_indices(items_.size())) {
+      const Item& item = items_[index];
+      const Cloud cloud = load(item);
+      if (info_.fields.empty()) {
+        info_.fields = cloud.table.layout.described();
+        info_.attributes = cloud.table.layout.attributes();
+      }
+      survey.add(cloud.table.layout, cloud.data, cloud.table.count, item.stamp, place(item));
     }
-    info_.point_times = times_      ? times_->described()
-                        : has_field ? "none (the time field is constant)"
-                                    : "none";
+    times_ = survey.finish({duration_, true, options_.time_unit}, info_);
   }
 
   // Bags hold none; a file of a usual name in the folder of bags is taken.
@@ -261,6 +262,7 @@ class BagRecording final : public Recording {
   RecordingInfo info_;
   Trajectory ground_truth_;
   std::vector<NamedFile> files_;
+  RecordingOptions options_;
   std::string topic_;
   std::vector<Item> items_;
   Nanoseconds duration_ = 0;
@@ -272,9 +274,9 @@ class BagRecording final : public Recording {
 
 std::unique_ptr<Recording> make_bag_recording(const std::string& path, const char* format,
                                               std::vector<NamedFile> files,
-                                              const std::string& topic,
+                                              const RecordingOptions& options,
                                               std::vector<std::string> notes) {
-  return std::make_unique<BagRecording>(path, format, std::move(files), topic, std::move(notes));
+  return std::make_unique<BagRecording>(path, format, std::move(files), options, std::move(notes));
 }
 
 }  // namespace groundloop::recordings

@@ -16,13 +16,13 @@ struct NamedFile {
   std::unique_ptr<MessageFile> file;
 };
 
-/// Throws InputError where `topic` (or, if empty, the only point-cloud topic) is not to be found.
-/// Messages that are too short or hold no points are left out and counted; equal stamps are kept
-/// once; where all header stamps are equal the times of recording stand in for them.
+/// Throws InputError where options.topic (or, if empty, the only point-cloud topic) is not to be
+/// found. Messages that are too short or hold no points are left out and counted; equal stamps are
+/// kept once; where all header stamps are equal the times of recording stand in for them.
 [[nodiscard]] std::unique_ptr<Recording> make_bag_recording(const std::string& path,
                                                             const char* format,
                                                             std::vector<NamedFile> files,
-                                                            const std::string& topic,
+                                                            const RecordingOptions& options,
                                                             std::vector<std::string> notes);
 
 }  // namespace groundloop::recordings

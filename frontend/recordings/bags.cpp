@@ -44,7 +44,7 @@ std::unique_ptr<Recording> open_files(const fs::path& path, const RecordingOptio
     if (found.empty()) throw InputError(one.string() + ": holds no *" + extension + " file");
     for (const fs::path& file : found) files.push_back({file.string(), open_file(file)});
   }
-  return make_bag_recording(path.string(), format, std::move(files), options.topic, {});
+  return make_bag_recording(path.string(), format, std::move(files), options, {});
 }
 
 // What metadata.yaml of a ROS 2 bag says; without it, what the files' names say.
@@ -190,8 +190,7 @@ std::unique_ptr<Recording> open_rosbag2(const fs::path& path, const RecordingOpt
     }
   }
   if (files.empty()) throw InputError(path.string() + ": holds no .db3 or .mcap file");
-  return make_bag_recording(path.string(), "rosbag2", std::move(files), options.topic,
-                            std::move(notes));
+  return make_bag_recording(path.string(), "rosbag2", std::move(files), options, std::move(notes));
 }
 
 }  // namespace groundloop::recordings

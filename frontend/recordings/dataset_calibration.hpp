@@ -2,6 +2,7 @@
 // layouts.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
@@ -18,6 +19,9 @@ inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
 }
+
+/// The record of KITTI and of the many datasets that follow it, all float32.
+inline constexpr std::array kKittiFields = {"x", "y", "z", "intensity"};
 
 inline constexpr std::size_t kMulranRows = 64, kMulranColumns = 1024;
 inline constexpr double kMulranTurn = 0.1;  // s

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/ground_truth.hpp"
 #include "frontend/recordings/point_files.hpp"
-#include "frontend/recordings/point_layout.hpp"
 #include "frontend/recordings/scan_files.hpp"
 
 namespace groundloop::recordings {
@@ -35,7 +33,8 @@ std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
 
 class FolderRecording final : public ScanFiles {
  public:
-  explicit FolderRecording(const fs::path& folder) : ScanFiles(folder, "folder") {
+  FolderRecording(const fs::path& folder, const RecordingOptions& options)
+      : ScanFiles(folder, "folder", options), time_unit_(options.time_unit) {
     choose_files(folder);
     find_stamps(folder);
     info_.gaps = count_gaps(stamps_);
@@ -80,6 +79,7 @@ class FolderRecording final : public ScanFiles {
       info_.stamp_source = "file names (" + named->unit + ")";
       return;
     }
+    stamps_known_ = false;
     stamps_ = assumed_stamps(files_.size());
     info_.stamp_source = "assumed 10 Hz";
     info_.notes.emplace_back(
@@ -87,10 +87,7 @@ class FolderRecording final : public ScanFiles {
   }
 
   std::size_t decode(std::size_t index, Scan& scan) override {
-    const PointTable table = parse(index);
-    scan = decode_points(table.layout, buffer_, table.count, stamps_[index], times_,
-                         files_[index].string());
-    return table.count;
+    return decode_table(index, parse(index), {times_ ? &*times_ : nullptr, {}, nullptr}, scan);
   }
 
   void choose_bin_layout() {
@@ -112,20 +109,19 @@ class FolderRecording final : public ScanFiles {
     return {bin_layout_, record_count(index, bin_layout_.packed_size, kBinFields)};
   }
 
-  // Fields and the meaning of their times from the first, middle and last scans.
+  // Fields and the meaning of their times, from scans spread over the recording.
   void learn_layout() {
-    bool has_field = false;
-    for (const std::size_t index : std::set<std::size_t>{0, files_.size() / 2, files_.size() - 1}) {
+    TimeSurvey survey;
+    for (const std::size_t index : spread_indices(files_.size())) {
       read_file_into(files_[index], buffer_);
       const PointTable table = parse(index);
-      if (info_.fields.empty()) info_.fields = table.layout.described();
-      has_field = has_field || find_time_field(table.layout) != nullptr;
-      times_ = merge(times_, infer_time_model(table.layout, buffer_, table.count, stamps_[index],
-                                              scan_duration(stamps_)));
+      if (info_.fields.empty()) {
+        info_.fields = table.layout.described();
+        info_.attributes = table.layout.attributes();
+      }
+      survey.add(table.layout, buffer_, table.count, stamps_[index], files_[index].string());
     }
-    info_.point_times = times_      ? times_->described()
-                        : has_field ? "none (the time field is constant)"
-                                    : "none";
+    times_ = survey.finish({scan_duration(stamps_), stamps_known_, time_unit_}, info_);
   }
 
   void find_truth(const fs::path& folder) {
@@ -141,6 +137,8 @@ class FolderRecording final : public ScanFiles {
 
   std::string extension_;
   PointLayout bin_layout_;
+  std::string time_unit_;
+  bool stamps_known_ = true;
   std::optional<TimeModel> times_;
 };
 
@@ -153,8 +151,8 @@ bool is_scan_folder(const fs::path& folder) {
                      [&](const char* extension) { return !list_files(folder, extension).empty(); });
 }
 
-std::unique_ptr<Recording> open_folder(const fs::path& folder, const RecordingOptions&) {
-  return std::make_unique<FolderRecording>(folder);
+std::unique_ptr<Recording> open_folder(const fs::path& folder, const RecordingOptions& options) {
+  return std::make_unique<FolderRecording>(folder, options);
 }
 
 }  // namespace groundloop::recordings

@@ -8,7 +8,6 @@
 #include "frontend/recordings/dataset_calibration.hpp"
 #include "frontend/recordings/datasets.hpp"
 #include "frontend/recordings/ground_truth.hpp"
-#include "frontend/recordings/point_layout.hpp"
 #include "frontend/recordings/scan_files.hpp"
 
 namespace groundloop::recordings {
@@ -16,6 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double kLongestScan = 0.15;  // s; all four turn, or frame, ten times a second
 constexpr std::array<const char*, 4> kSensors = {"Ouster", "Velodyne", "Avia", "Aeva"};
 
 struct Found {
@@ -72,8 +72,8 @@ PointLayout layout_of(const std::string& sensor, Nanoseconds stamp) {
 
 class HeliprRecording final : public ScanFiles {
  public:
-  explicit HeliprRecording(const Found& found)
-      : ScanFiles(found.root, "helipr", found.root / "LiDAR" / found.sensor, ".bin"),
+  HeliprRecording(const Found& found, const RecordingOptions& options)
+      : ScanFiles(found.root, "helipr", found.root / "LiDAR" / found.sensor, ".bin", options),
         sensor_(found.sensor) {
     take_stamps_from_names(1, "ns");
     for (std::size_t i = 0; i < files_.size(); ++i) {
@@ -82,10 +82,15 @@ class HeliprRecording final : public ScanFiles {
     const PointLayout layout = layout_of(sensor_, stamps_.front());
     info_.sensor = sensor_;
     info_.fields = layout.described();
+    info_.attributes = layout.attributes();
     // The dataset says what its times are; nothing is inferred.
     const PointField* field = find_time_field(layout);
-    times_ = TimeModel{field->name, field->type, sensor_ == "Velodyne" ? 1.0 : 1e-9,
-                       sensor_ == "Velodyne" ? "s" : "ns", TimeModel::Zero::stamp};
+    const bool seconds = sensor_ == "Velodyne";
+    times_.field = field->name;
+    times_.type = field->type;
+    times_.seconds_per_unit = seconds ? 1.0 : 1e-9;
+    times_.unit = seconds ? "s" : "ns";
+    times_.longest_scan_s = kLongestScan;
     info_.point_times = times_.described();
     const fs::path truth = found.root / "LiDAR_GT" / (sensor_ + "_gt.txt");
     std::error_code error;
@@ -100,10 +105,9 @@ class HeliprRecording final : public ScanFiles {
   [[nodiscard]] std::string record_name() const { return "HeLiPR's " + sensor_ + " record"; }
 
   std::size_t decode(std::size_t index, Scan& scan) override {
-    const PointLayout layout = layout_of(sensor_, stamps_[index]);
-    const std::size_t count = record_count(index, layout.packed_size, record_name().c_str());
-    scan = decode_points(layout, buffer_, count, stamps_[index], times_, files_[index].string());
-    return count;
+    PointTable table{layout_of(sensor_, stamps_[index]), 0};
+    table.count = record_count(index, table.layout.packed_size, record_name().c_str());
+    return decode_table(index, table, {&times_, {}, nullptr}, scan);
   }
 
   std::string sensor_;
@@ -121,7 +125,7 @@ std::unique_ptr<Recording> open_helipr(const fs::path& path, const RecordingOpti
   std::string list;
   for (const Found& f : found) {
     if (f.sensor == sensor || (sensor.empty() && found.size() == 1)) {
-      return std::make_unique<HeliprRecording>(f);
+      return std::make_unique<HeliprRecording>(f, options);
     }
     list += (list.empty() ? "" : ", ") + f.sensor + " (" +
             std::to_string(list_files(f.root / "LiDAR" / f.sensor, ".bin").size()) + " scans)";

@@ -1,12 +1,12 @@
 #include "frontend/recordings/kitti.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <sstream>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/recordings/dataset_calibration.hpp"
 #include "frontend/recordings/scan_files.hpp"
 
 namespace groundloop::recordings {
@@ -24,11 +24,12 @@ bool is_sequence(const fs::path& folder) {
 
 class KittiRecording final : public ScanFiles {
  public:
-  explicit KittiRecording(const fs::path& sequence)
-      : ScanFiles(sequence, "kitti", sequence / "velodyne", ".bin") {
+  KittiRecording(const fs::path& sequence, const RecordingOptions& options)
+      : ScanFiles(sequence, "kitti", sequence / "velodyne", ".bin", options) {
     std::error_code error;
     check_lengths(kRecord, kFields);
     info_.fields = {"x", "y", "z", "intensity"};
+    info_.attributes.intensity = true;
     std::vector<std::size_t> rows;
     std::size_t row_count = files_.size();
     if (fs::exists(sequence / "times.txt", error)) {
@@ -108,42 +109,34 @@ class KittiRecording final : public ScanFiles {
     read_file_into(file, time_buffer_);
     check_time_bytes(file, time_buffer_.size(), count);
     for (std::size_t i = 0; i < count; ++i) {
-      float share = 0.0F;
-      std::memcpy(&share, time_buffer_.data() + i * sizeof(float), sizeof(float));
       // NaN passes here: its point is dropped with it.
-      if (share < -1e-3F || share > 1.0F + 1e-3F) {
-        throw InputError(file.string() + ": time " + to_text(static_cast<double>(share)) +
+      if (share(i) < -1e-3F || share(i) > 1.0F + 1e-3F) {
+        throw InputError(file.string() + ": time " + to_text(static_cast<double>(share(i))) +
                          " of point " + std::to_string(i) +
                          " is outside [0, 1] of the scan's duration");
       }
     }
   }
 
+  [[nodiscard]] float share(std::size_t record) const {
+    float value = 0.0F;
+    std::memcpy(&value, time_buffer_.data() + record * sizeof value, sizeof value);
+    return value;
+  }
+
   std::size_t decode(std::size_t index, Scan& scan) override {
     const std::size_t count = record_count(index, kRecord, kFields);
-    if (!times_folder_.empty()) read_times(index, count);
-    const bool timed = !times_folder_.empty();
+    decode_table(index, {layout_, count}, {nullptr, {}, &records_}, scan);
+    if (times_folder_.empty()) return count;
+    read_times(index, count);
     const auto seconds = static_cast<float>(1e-9 * static_cast<double>(duration_));
-    scan.points.resize(count);
-    if (timed) scan.times.resize(count);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::array<float, 3> p;
-      std::memcpy(p.data(), buffer_.data() + i * kRecord, sizeof p);
-      if (!is_return(p[0], p[1], p[2])) continue;
-      if (timed) {
-        float share = 0.0F;
-        std::memcpy(&share, time_buffer_.data() + i * sizeof(float), sizeof(float));
-        if (std::isnan(share)) continue;
-        scan.times[kept] = share * seconds;
-      }
-      scan.points[kept++] = Eigen::Vector3f(p[0], p[1], p[2]);
-    }
-    scan.points.resize(kept);
-    if (timed) scan.times.resize(kept);
+    for (const std::uint32_t record : records_) scan.times.push_back(share(record) * seconds);
+    remove_points(scan, [&](std::size_t i) { return std::isnan(scan.times[i]); });
     return count;
   }
 
+  const PointLayout layout_ = float_records(kKittiFields);
+  std::vector<std::uint32_t> records_;
   Nanoseconds duration_ = 0;
   fs::path times_folder_;
   std::vector<std::byte> time_buffer_;
@@ -200,8 +193,8 @@ Pose read_kitti_calibration(const fs::path& file) {
                    ": no line 'Tr:', which brings the poses from the camera to the LiDAR");
 }
 
-std::unique_ptr<Recording> open_kitti(const fs::path& sequence) {
-  return std::make_unique<KittiRecording>(sequence);
+std::unique_ptr<Recording> open_kitti(const fs::path& sequence, const RecordingOptions& options) {
+  return std::make_unique<KittiRecording>(sequence, options);
 }
 
 }  // namespace groundloop::recordings

@@ -19,6 +19,7 @@ namespace groundloop::recordings {
 /// T_camera_lidar of a calib.txt: its line "Tr:". Throws InputError where there is none.
 [[nodiscard]] Pose read_kitti_calibration(const std::filesystem::path& file);
 
-[[nodiscard]] std::unique_ptr<Recording> open_kitti(const std::filesystem::path& sequence);
+[[nodiscard]] std::unique_ptr<Recording> open_kitti(const std::filesystem::path& sequence,
+                                                    const RecordingOptions& options = {});
 
 }  // namespace groundloop::recordings

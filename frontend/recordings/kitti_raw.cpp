@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <numbers>
 #include <sstream>
 
@@ -98,12 +97,13 @@ fs::path velodyne_folder(const fs::path& path) {
 
 class KittiRawRecording final : public ScanFiles {
  public:
-  explicit KittiRawRecording(const fs::path& drive)
-      : ScanFiles(drive, "kitti_raw", velodyne_folder(drive) / "data", ".bin") {
+  KittiRawRecording(const fs::path& drive, const RecordingOptions& options)
+      : ScanFiles(drive, "kitti_raw", velodyne_folder(drive) / "data", ".bin", options) {
     const fs::path folder = velodyne_folder(drive);
     std::error_code error;
     info_.sensor = "Velodyne HDL-64E";
     info_.fields = {"x", "y", "z", "intensity"};
+    info_.attributes.intensity = true;
     const bool whole = fs::exists(folder / "timestamps_start.txt", error);
     const fs::path file = folder / (whole ? "timestamps_start.txt" : "timestamps.txt");
     const std::vector<Nanoseconds> listed = read_dates(file, files_.size());
@@ -170,22 +170,16 @@ class KittiRawRecording final : public ScanFiles {
   std::size_t decode(std::size_t index, Scan& scan) override {
     const std::size_t count = record_count(index, kRecord, "float32 x y z intensity");
     const double half = 0.5 * duration_s_[index];
-    scan.points.resize(count);
-    scan.times.resize(count);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      float p[3];
-      std::memcpy(p, buffer_.data() + i * kRecord, sizeof p);
-      if (!is_return(p[0], p[1], p[2])) continue;
-      const double azimuth = std::atan2(static_cast<double>(p[1]), static_cast<double>(p[0]));
-      scan.times[kept] = static_cast<float>(half * (1.0 - azimuth / std::numbers::pi));
-      scan.points[kept++] = Eigen::Vector3f(p[0], p[1], p[2]);
+    decode_table(index, {layout_, count}, {}, scan);
+    scan.times.reserve(scan.points.size());
+    for (const Eigen::Vector3f& p : scan.points) {
+      const double azimuth = std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
+      scan.times.push_back(static_cast<float>(half * (1.0 - azimuth / std::numbers::pi)));
     }
-    scan.points.resize(kept);
-    scan.times.resize(kept);
     return count;
   }
 
+  const PointLayout layout_ = float_records(kKittiFields);
   std::vector<double> duration_s_;
 };
 
@@ -193,10 +187,10 @@ class KittiRawRecording final : public ScanFiles {
 
 bool is_kitti_raw(const fs::path& path) { return !velodyne_folder(path).empty(); }
 
-std::unique_ptr<Recording> open_kitti_raw(const fs::path& path, const RecordingOptions&) {
+std::unique_ptr<Recording> open_kitti_raw(const fs::path& path, const RecordingOptions& options) {
   if (!is_kitti_raw(path))
     throw InputError(path.string() + ": no folder velodyne_points/data here");
-  return std::make_unique<KittiRawRecording>(path);
+  return std::make_unique<KittiRawRecording>(path, options);
 }
 
 }  // namespace groundloop::recordings

@@ -1,8 +1,4 @@
 // MulRan (Kim et al., ICRA 2020): Ouster OS1-64 scans of 1024 columns, stored column after column.
-#include <cmath>
-#include <cstring>
-#include <numbers>
-
 #include "frontend/core/error.hpp"
 #include "frontend/recordings/dataset_calibration.hpp"
 #include "frontend/recordings/datasets.hpp"
@@ -27,12 +23,13 @@ fs::path scan_folder(const fs::path& path) {
 
 class MulranRecording final : public ScanFiles {
  public:
-  explicit MulranRecording(const fs::path& path)
-      : ScanFiles(path, "mulran", scan_folder(path), ".bin") {
+  MulranRecording(const fs::path& path, const RecordingOptions& options)
+      : ScanFiles(path, "mulran", scan_folder(path), ".bin", options) {
     take_stamps_from_names(1, "ns");
     check_lengths(kRecord, kFields);
     info_.sensor = "Ouster OS1-64";
     info_.fields = {"x", "y", "z", "intensity"};
+    info_.attributes.intensity = true;
     info_.point_times = "column of the record, 1024 in 0.1 s, in scans of 64 x 1024 records";
     load_ground_truth(path);
   }
@@ -63,33 +60,25 @@ class MulranRecording final : public ScanFiles {
   std::size_t decode(std::size_t index, Scan& scan) override {
     const std::size_t count = record_count(index, kRecord, kFields);
     const bool whole = count == kMulranRows * kMulranColumns;
-    scan.points.resize(count);
-    if (whole) scan.times.resize(count);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      float p[3];
-      std::memcpy(p, buffer_.data() + i * kRecord, sizeof p);
-      if (!is_return(p[0], p[1], p[2])) continue;
-      if (whole) {
-        const std::size_t column = i / kMulranRows;
-        scan.times[kept] =
-            static_cast<float>(column) * static_cast<float>(kMulranTurn / kMulranColumns);
-      }
-      scan.points[kept++] = Eigen::Vector3f(p[0], p[1], p[2]);
+    decode_table(index, {layout_, count}, {nullptr, {}, &records_}, scan);
+    for (std::size_t i = 0; whole && i < records_.size(); ++i) {
+      scan.times.push_back(static_cast<float>(records_[i] / kMulranRows) *
+                           static_cast<float>(kMulranTurn / kMulranColumns));
     }
-    scan.points.resize(kept);
-    if (whole) scan.times.resize(kept);
     return count;
   }
+
+  const PointLayout layout_ = float_records(kKittiFields);
+  std::vector<std::uint32_t> records_;
 };
 
 }  // namespace
 
 bool is_mulran(const fs::path& path) { return !scan_folder(path).empty(); }
 
-std::unique_ptr<Recording> open_mulran(const fs::path& path, const RecordingOptions&) {
+std::unique_ptr<Recording> open_mulran(const fs::path& path, const RecordingOptions& options) {
   if (!is_mulran(path)) throw InputError(path.string() + ": no folder sensor_data/Ouster here");
-  return std::make_unique<MulranRecording>(path);
+  return std::make_unique<MulranRecording>(path, options);
 }
 
 }  // namespace groundloop::recordings

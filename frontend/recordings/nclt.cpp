@@ -35,6 +35,22 @@ bool decode_hit(const std::byte* at, Eigen::Vector3f& p) {
   return is_return(p.x(), p.y(), p.z());
 }
 
+// A hit with the attributes asked for; false where it is no return.
+bool append_hit(const std::byte* at, const AttributeSet& attributes, Scan& scan) {
+  Eigen::Vector3f p;
+  if (!decode_hit(at, p)) return false;
+  scan.points.push_back(p);
+  if (attributes.intensity)
+    scan.attributes.intensity.push_back(std::to_integer<std::uint8_t>(at[6]));
+  if (attributes.ring) scan.attributes.ring.push_back(std::to_integer<std::uint8_t>(at[7]));
+  return true;
+}
+
+void describe_hits(RecordingInfo& info) {
+  info.fields = {"x uint16", "y uint16", "z uint16", "intensity uint8", "laser uint8"};
+  info.attributes.intensity = info.attributes.ring = true;
+}
+
 Trajectory read_truth(const fs::path& path, bool of_velodyne, RecordingInfo& info) {
   const fs::path absolute = fs::absolute(path).lexically_normal();
   const fs::path self = absolute.has_filename() ? absolute : absolute.parent_path();
@@ -76,12 +92,12 @@ Trajectory read_truth(const fs::path& path, bool of_velodyne, RecordingInfo& inf
 
 class SyncRecording final : public ScanFiles {
  public:
-  explicit SyncRecording(const fs::path& path)
-      : ScanFiles(path, "nclt", path / "velodyne_sync", ".bin") {
+  SyncRecording(const fs::path& path, const RecordingOptions& options)
+      : ScanFiles(path, "nclt", path / "velodyne_sync", ".bin", options) {
     take_stamps_from_names(1000, "us");
     check_lengths(kHit, kFields);
     info_.sensor = "Velodyne HDL-32E";
-    info_.fields = {"x uint16", "y uint16", "z uint16", "intensity uint8", "laser uint8"};
+    describe_hits(info_);
     info_.point_times = "none";
     info_.notes.emplace_back("Scans of velodyne_sync are taken as deskewed, in the body's frame.");
     ground_truth_ = read_truth(path, false, info_);
@@ -90,25 +106,23 @@ class SyncRecording final : public ScanFiles {
  private:
   std::size_t decode(std::size_t index, Scan& scan) override {
     const std::size_t count = record_count(index, kHit, kFields);
-    scan.points.resize(count);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (decode_hit(buffer_.data() + i * kHit, scan.points[kept])) ++kept;
-    }
-    scan.points.resize(kept);
+    for (std::size_t i = 0; i < count; ++i)
+      (void)append_hit(buffer_.data() + i * kHit, attributes_, scan);
     return count;
   }
 };
 
 class HitsRecording final : public Recording {
  public:
-  explicit HitsRecording(const fs::path& path)
-      : file_(path / "velodyne_hits.bin"), in_(std::fopen(file_.c_str(), "rb"), &std::fclose) {
+  HitsRecording(const fs::path& path, const RecordingOptions& options)
+      : file_(path / "velodyne_hits.bin"),
+        in_(std::fopen(file_.c_str(), "rb"), &std::fclose),
+        attributes_(options.attributes) {
     if (!in_) throw InputError(file_.string() + ": cannot be opened; check its permissions");
     info_.path = path.string();
     info_.format = "nclt";
     info_.sensor = "Velodyne HDL-32E";
-    info_.fields = {"x uint16", "y uint16", "z uint16", "intensity uint8", "laser uint8"};
+    describe_hits(info_);
     info_.point_times = "packet times (us), hits spread evenly to the next packet";
     info_.stamp_source = "first packet of each turn (us)";
     index_turns();
@@ -137,10 +151,8 @@ class HitsRecording final : public Recording {
       const double begin = 1e-6 * static_cast<double>(packet.utime - turn_utime);
       const double step = packet_seconds_ / static_cast<double>(std::max(packet.hits, 1U));
       for (std::uint32_t i = 0; i < packet.hits; ++i, ++seen) {
-        Eigen::Vector3f p;
-        if (!decode_hit(buffer_.data() + at + kPacketHeader + i * kHit, p)) continue;
-        scan.points.push_back(p);
-        scan.times.push_back(static_cast<float>(begin + step * i));
+        if (append_hit(buffer_.data() + at + kPacketHeader + i * kHit, attributes_, scan))
+          scan.times.push_back(static_cast<float>(begin + step * i));
       }
       at = next;
     }
@@ -262,6 +274,7 @@ class HitsRecording final : public Recording {
   double packet_seconds_ = 0.0;
   Trajectory ground_truth_;
   std::vector<std::byte> buffer_;
+  AttributeSet attributes_;
 };
 
 }  // namespace
@@ -278,10 +291,10 @@ std::unique_ptr<Recording> open_nclt(const fs::path& path, const RecordingOption
   const bool hits = fs::is_regular_file(path / "velodyne_hits.bin", error);
   const bool sync = fs::is_directory(path / "velodyne_sync", error);
   if ((stream == "velodyne_hits" || (stream.empty() && hits)) && hits) {
-    return std::make_unique<HitsRecording>(path);
+    return std::make_unique<HitsRecording>(path, options);
   }
   if ((stream == "velodyne_sync" || stream.empty()) && sync) {
-    return std::make_unique<SyncRecording>(path);
+    return std::make_unique<SyncRecording>(path, options);
   }
   throw InputError(path.string() + ": has no '" + stream +
                    "'; choose velodyne_hits or velodyne_sync with --topic");

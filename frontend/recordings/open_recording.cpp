@@ -29,8 +29,8 @@ struct Format {
 
 bool is_kitti(const fs::path& path) { return !recordings::find_kitti_sequence(path).empty(); }
 
-std::unique_ptr<Recording> open_kitti(const fs::path& path, const Options&) {
-  return recordings::open_kitti(recordings::find_kitti_sequence(path));
+std::unique_ptr<Recording> open_kitti(const fs::path& path, const Options& options) {
+  return recordings::open_kitti(recordings::find_kitti_sequence(path), options);
 }
 
 // In order of recognition: the more particular first.
@@ -123,6 +123,8 @@ std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOpt
 std::unique_ptr<Recording> recordings::wrap(std::unique_ptr<Recording> recording,
                                             const RecordingOptions& options) {
   recording = correct(std::move(recording), options.elevation_correction);
+  if (!options.stamp.empty())
+    recording = recordings::with_stamp_at(std::move(recording), options.stamp);
   if (options.first == 0 && options.count >= recording->size()) return recording;
   return slice(std::move(recording), options.first, options.count);
 }

@@ -18,8 +18,7 @@ Points read_point_cloud(const std::filesystem::path& file) {
   recordings::read_file_into(file, bytes);
   const recordings::PointTable table =
       ending == ".pcd" ? recordings::parse_pcd(bytes, name) : recordings::parse_ply(bytes, name);
-  Points points =
-      recordings::decode_points(table.layout, bytes, table.count, 0, std::nullopt, name).points;
+  Points points = recordings::decode_points(table.layout, bytes, table.count, 0, {}, name).points;
   if (points.empty()) throw InputError(name + ": holds no point");
   return points;
 }

@@ -20,6 +20,7 @@ struct RecordingInfo {
   std::string point_times;   ///< where per-point times come from and in which unit, or "none"
   std::string stamp_source;  ///< e.g. "times.txt", "file names (ns)", "assumed 10 Hz"
   std::vector<std::string> fields;  ///< fields of a point record
+  AttributeSet attributes;          ///< that its points have
   std::vector<std::string> notes;   ///< corrections applied, assumptions made, one sentence each
   /// Where only a range of the scans is used: the number of the first, and how many there are.
   std::size_t first_scan = 0, scans_in_all = 0;
@@ -35,6 +36,19 @@ struct RecordingOptions {
   std::vector<std::string> more_paths;
   std::size_t first = 0;
   std::size_t count = static_cast<std::size_t>(-1);
+  /// Attributes of points to be read into Scan::attributes, as far as the recording has them.
+  AttributeSet attributes;
+  /// Unit of per-point times: "ns", "us", "ms", "s"; empty: judged by what the times are.
+  std::string time_unit;
+  /// Which instant of a scan its stamp names: "start", "middle", "end"; empty: as the times of its
+  /// points say, else the start.
+  std::string stamp;
+  /// Values of a headerless record, e.g. "x,y,z,intensity,ring,t"; empty: told by their values.
+  std::string fields;
+  /// Data set whose facts apply: "kitti", "nuscenes", ..., "none"; empty: told by the scans.
+  std::string dataset;
+  /// Calibration of a sensor whose packets were recorded; empty: its model's nominal table.
+  std::string calibration;
   /// "auto" corrects KITTI's elevation error where the scans are of that sensor, "on" always, "off"
   /// never.
   std::string elevation_correction = "auto";

@@ -23,15 +23,16 @@ std::size_t records_of(const fs::path& file, std::uintmax_t bytes, std::size_t r
 }  // namespace
 
 ScanFiles::ScanFiles(const fs::path& path, const char* format, const fs::path& folder,
-                     const char* extension)
-    : ScanFiles(path, format) {
+                     const char* extension, const RecordingOptions& options)
+    : ScanFiles(path, format, options) {
   files_ = list_files(folder, extension);
   if (files_.empty()) {
     throw InputError(folder.string() + ": holds no scan; expected *" + extension + " files");
   }
 }
 
-ScanFiles::ScanFiles(const fs::path& path, const char* format) {
+ScanFiles::ScanFiles(const fs::path& path, const char* format, const RecordingOptions& options)
+    : attributes_(options.attributes) {
   info_.path = path.string();
   info_.format = format;
 }
@@ -44,6 +45,14 @@ Scan ScanFiles::read(std::size_t index) {
   const std::size_t seen = decode(index, scan);
   require_points(scan, seen, file.string());
   return scan;
+}
+
+std::size_t ScanFiles::decode_table(std::size_t index, const PointTable& table,
+                                    DecodeRequest request, Scan& scan) const {
+  request.attributes = attributes_;
+  scan = decode_points(table.layout, buffer_, table.count, stamps_[index], request,
+                       files_[index].string());
+  return table.count;
 }
 
 void ScanFiles::take_stamps_from_names(Nanoseconds nanoseconds, const char* unit) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/recordings/source_tools.hpp"
 
@@ -22,13 +23,19 @@ class ScanFiles : public Recording {
  protected:
   /// Files of a folder by extension; throws InputError where there are none.
   ScanFiles(const std::filesystem::path& path, const char* format,
-            const std::filesystem::path& folder, const char* extension);
+            const std::filesystem::path& folder, const char* extension,
+            const RecordingOptions& options);
   /// Files are chosen by the reader itself.
-  ScanFiles(const std::filesystem::path& path, const char* format);
+  ScanFiles(const std::filesystem::path& path, const char* format, const RecordingOptions& options);
 
-  /// Decodes buffer_, the bytes of files_[index]; sets the points and times of `scan`, whose stamp
-  /// is set, and returns the number of records seen.
+  /// Decodes buffer_, the bytes of files_[index]; sets all of `scan` but its stamp, which is set,
+  /// and returns the number of records seen.
   virtual std::size_t decode(std::size_t index, Scan& scan) = 0;
+
+  /// The same for records in buffer_ that `table` describes; `request` without attributes, which
+  /// are those that were asked for.
+  std::size_t decode_table(std::size_t index, const PointTable& table, DecodeRequest request,
+                           Scan& scan) const;
 
   /// Stamps from the files' names in `nanoseconds` units; throws InputError naming a file whose
   /// name is none.
@@ -48,6 +55,7 @@ class ScanFiles : public Recording {
   std::vector<Nanoseconds> stamps_;
   Trajectory ground_truth_;
   std::vector<std::byte> buffer_;
+  AttributeSet attributes_;  ///< asked for
 };
 
 }  // namespace groundloop::recordings

@@ -196,6 +196,14 @@ std::vector<Nanoseconds> assumed_stamps(std::size_t scans) {
   return stamps;
 }
 
+std::vector<std::size_t> spread_indices(std::size_t size, std::size_t most) {
+  std::vector<std::size_t> indices;
+  const std::size_t count = std::min(size, most);
+  for (std::size_t k = 0; k < count; ++k)
+    indices.push_back(count == 1 ? 0 : k * (size - 1) / (count - 1));
+  return indices;
+}
+
 Nanoseconds median_period(const std::vector<Nanoseconds>& stamps) {
   return interval_at(stamps, 0.5);
 }

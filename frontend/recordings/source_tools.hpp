@@ -54,6 +54,9 @@ struct NameStamps {
 /// Stamps at 10 Hz from zero: what is assumed where a recording has none.
 [[nodiscard]] std::vector<Nanoseconds> assumed_stamps(std::size_t scans);
 
+/// Up to `most` numbers spread over [0, size), the first and the last among them.
+[[nodiscard]] std::vector<std::size_t> spread_indices(std::size_t size, std::size_t most = 8);
+
 /// Median difference of successive stamps, 0.1 s where there are fewer than two.
 [[nodiscard]] Nanoseconds median_period(const std::vector<Nanoseconds>& stamps);
 
@@ -67,6 +70,25 @@ struct NameStamps {
 /// A 3x4 matrix row by row as a pose. Throws InputError starting with `where` where the left block
 /// is no rotation beyond 1e-3.
 [[nodiscard]] Pose pose_from_matrix(const double (&rows)[12], const std::string& where);
+
+/// Removes the points, with all that is kept of them, for which remove(i) is true; it is asked once
+/// for each, in order.
+template <typename F>
+void remove_points(Scan& scan, F&& remove) {
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (!remove(i)) kept.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (kept.size() == scan.points.size()) return;
+  const auto compact = [&](auto& list) {
+    if (list.empty()) return;
+    for (std::size_t k = 0; k < kept.size(); ++k) list[k] = list[kept[k]];
+    list.resize(kept.size());
+  };
+  compact(scan.points);
+  compact(scan.times);
+  PointAttributes::visit(scan.attributes, compact);
+}
 
 /// Throws InputError for a scan without any valid point: `file` is named with how many were seen.
 void require_points(const Scan& scan, std::size_t seen, const std::string& file);

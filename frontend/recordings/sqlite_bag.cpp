@@ -126,7 +126,12 @@ class SqliteFile final : public MessageFile {
         sqlite3_exec(database, "SELECT 1 FROM topics", nullptr, nullptr, nullptr) == SQLITE_OK) {
       return;
     }
-    const std::string uri = "file:" + file_.string() + "?immutable=1";
+    std::string uri = "file:";
+    for (const char c : file_.string()) {
+      // What would end the path of a URI.
+      uri += c == '?' ? "%3f" : c == '#' ? "%23" : c == '%' ? "%25" : std::string(1, c);
+    }
+    uri += "?immutable=1";
     result =
         sqlite3_open_v2(uri.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     database_.reset(database);

@@ -1,10 +1,13 @@
 #include "frontend/recordings/wrappers.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/elevation_correction.hpp"
+#include "frontend/recordings/source_tools.hpp"
 
 namespace groundloop::recordings {
 
@@ -63,6 +66,63 @@ class ElevationCorrected final : public Wrapped {
   }
 };
 
+// Times that are to begin, end or be in the middle at the stamp. What the first scans show is taken
+// for all where they agree: a scan without returns at its beginning then keeps its place.
+class Restamped final : public Wrapped {
+ public:
+  Restamped(std::unique_ptr<Recording> inner, const std::string& instant)
+      : Wrapped(std::move(inner)), share_(share_of(instant)) {
+    double shortest = 1e9, longest = -1e9, duration = 0.0;
+    bool timed = false;
+    for (const std::size_t index : spread_indices(size())) {
+      const auto span = span_of(inner_->read(index));
+      if (!span) continue;
+      timed = true;
+      shortest = std::min(shortest, instant_of(*span));
+      longest = std::max(longest, instant_of(*span));
+      duration = std::max(duration, span->second - span->first);
+    }
+    if (!timed) {
+      info_.notes.push_back("--stamp " + instant +
+                            " changes nothing: points have no times of their own.");
+      return;
+    }
+    constant_ = longest - shortest < kAgree * duration;
+    if (constant_) shift_ = 0.5 * (longest + shortest);
+    info_.notes.push_back("Stamps are taken to name the " + instant + " of each scan (by option).");
+  }
+  Scan read(std::size_t index) override {
+    Scan scan = inner_->read(index);
+    const auto span = span_of(scan);
+    if (!span) return scan;
+    const auto shift = static_cast<float>(constant_ ? shift_ : instant_of(*span));
+    for (float& time : scan.times) time -= shift;
+    return scan;
+  }
+
+ private:
+  static constexpr double kAgree = 0.1;  // of the duration
+  using Span = std::pair<double, double>;
+
+  static double share_of(const std::string& instant) {
+    if (instant == "start") return 0.0;
+    if (instant == "middle") return 0.5;
+    if (instant == "end") return 1.0;
+    throw InputError("--stamp: '" + instant + "' is unknown; allowed are start, middle, end");
+  }
+  static std::optional<Span> span_of(const Scan& scan) {
+    if (scan.times.empty()) return std::nullopt;
+    const auto [first, last] = std::minmax_element(scan.times.begin(), scan.times.end());
+    return Span{static_cast<double>(*first), static_cast<double>(*last)};
+  }
+  [[nodiscard]] double instant_of(const Span& span) const {
+    return span.first + share_ * (span.second - span.first);
+  }
+
+  double share_, shift_ = 0.0;
+  bool constant_ = false;
+};
+
 class Noted final : public Wrapped {
  public:
   Noted(std::unique_ptr<Recording> inner, const std::string& note) : Wrapped(std::move(inner)) {
@@ -86,6 +146,11 @@ std::unique_ptr<Recording> slice(std::unique_ptr<Recording> inner, std::size_t f
 std::unique_ptr<Recording> with_elevation_correction(std::unique_ptr<Recording> inner,
                                                      const std::string& reason) {
   return std::make_unique<ElevationCorrected>(std::move(inner), reason);
+}
+
+std::unique_ptr<Recording> with_stamp_at(std::unique_ptr<Recording> inner,
+                                         const std::string& instant) {
+  return std::make_unique<Restamped>(std::move(inner), instant);
 }
 
 std::unique_ptr<Recording> with_note(std::unique_ptr<Recording> inner, const std::string& note) {

@@ -1,4 +1,5 @@
-// Recordings around a recording: a range of its scans, and its scans with the elevation corrected.
+// Recordings around a recording: a range of its scans, its scans with the elevation corrected, its
+// stamps taken for another instant.
 #pragma once
 
 #include <memory>
@@ -15,8 +16,13 @@ namespace groundloop::recordings {
 [[nodiscard]] std::unique_ptr<Recording> with_elevation_correction(std::unique_ptr<Recording> inner,
                                                                    const std::string& reason);
 
-/// What the options ask for around a recording that was opened: elevation correction, range of
-/// scans.
+/// Times of points counted so that the stamp names the `instant` ("start", "middle", "end") of each
+/// scan. Reads a few scans. Throws InputError for another word.
+[[nodiscard]] std::unique_ptr<Recording> with_stamp_at(std::unique_ptr<Recording> inner,
+                                                       const std::string& instant);
+
+/// What the options ask for around a recording that was opened: elevation correction, instant of
+/// the stamps, range of scans.
 [[nodiscard]] std::unique_ptr<Recording> wrap(std::unique_ptr<Recording> recording,
                                               const RecordingOptions& options);
 

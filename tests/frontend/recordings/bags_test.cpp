@@ -8,6 +8,7 @@
 #include "frontend/core/error.hpp"
 #include "frontend/recordings/compression.hpp"
 #include "frontend/recordings/point_cloud2.hpp"
+#include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "tests/support/bag_bytes.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -32,10 +33,14 @@ void expect_two_points(const Scan& scan) {
 
 Scan decode(const std::string& message, recordings::Encoding encoding) {
   const recordings::Cloud cloud = recordings::parse_cloud(bytes_of(message), encoding, "message");
-  const auto times = recordings::infer_time_model(cloud.table.layout, cloud.data, cloud.table.count,
-                                                  cloud.header.stamp, 100'000'000);
+  const auto sample = recordings::sample_times(cloud.table.layout, cloud.data, cloud.table.count,
+                                               cloud.header.stamp, "message");
+  std::vector<recordings::TimeSample> samples;
+  if (sample) samples.push_back(*sample);
+  const auto times = recordings::judge_times(samples, {});
   return recordings::decode_points(cloud.table.layout, cloud.data, cloud.table.count,
-                                   cloud.header.stamp, times, "message");
+                                   cloud.header.stamp, {times ? &*times : nullptr, {}, nullptr},
+                                   "message");
 }
 
 TEST(PointCloud2, DecodesBothEncodingsAndEndians) {
