@@ -9,8 +9,8 @@
 #include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/merge_documents.hpp"
-#include "backend/graph/g2o_file.hpp"
 #include "backend/map/map_assembly.hpp"
+#include "backend/session/session_graph.hpp"
 #include "backend/session/session_output.hpp"
 #include "frontend/core/checksum.hpp"
 #include "frontend/core/clock.hpp"
@@ -234,7 +234,7 @@ void write_tables(const SessionFolder& out, const MergeResult& result,
   }
   write_trajectories(out, odometry, trajectory, maps);
   write_closures(out.file("closures.csv"), result.closures);
-  write_g2o(out.file("pose_graph.g2o"), result.graph);
+  write_session_graph(out.file("pose_graph.g2o"), result.graph);
   database.save(out.file("loop_database.bin"));
 }
 

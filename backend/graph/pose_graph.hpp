@@ -27,7 +27,8 @@ struct GraphVertex {
 /// about the vertical.
 using Bend = Eigen::Vector2d;
 
-enum class EdgeKind { odometry, closure };
+/// A settled edge is a closure that was judged before and is taken as it is.
+enum class EdgeKind { odometry, closure, settled };
 
 /// A measured relative pose: an odometry step, a chain of them, or a closure (between_factor.hpp).
 struct GraphEdge {

@@ -27,13 +27,15 @@ constexpr std::size_t kFewest = 3;
 
 double scale_of(int step) { return std::exp(0.5 * std::numbers::ln2 * step); }
 
-// Of the sets found: the first true, all other closures false.
+// Of the closures of a set, which may be empty, true and all others false.
 double log_evidence(const FramePair& frames, PoseGraph graph,
-                    const std::vector<PairwiseClosure>& between, const ConsistentSets& found,
+                    const std::vector<PairwiseClosure>& between, const std::vector<int>& set,
                     double probability) {
-  const Pose T_x_y = alignment_of(graph, between, found.sets.front());
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    if (frames.in_y[v]) graph.vertices[v].pose = T_x_y * graph.vertices[v].pose;
+  if (!set.empty()) {
+    const Pose T_x_y = alignment_of(graph, between, set);
+    for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+      if (frames.in_y[v]) graph.vertices[v].pose = T_x_y * graph.vertices[v].pose;
+    }
   }
   const std::size_t own = graph.edges.size();
   for (const PairwiseClosure& c : between) {
@@ -45,8 +47,7 @@ double log_evidence(const FramePair& frames, PoseGraph graph,
   }
   std::vector<std::size_t> called_true;
   std::vector<std::size_t> called_false;
-  for (const int i : found.sets.front())
-    graph.edges[own + static_cast<std::size_t>(i)].rejected = false;
+  for (const int i : set) graph.edges[own + static_cast<std::size_t>(i)].rejected = false;
   for (std::size_t k = own; k < graph.edges.size(); ++k)
     (graph.edges[k].rejected ? called_false : called_true).push_back(k);
   const OdometryTree odometry(graph);
@@ -56,8 +57,8 @@ double log_evidence(const FramePair& frames, PoseGraph graph,
   };
   const CondensedGraph condensed = condense_chains(graph);
   // One closure says where the frames lie to each other, which may be anywhere, as a false one may.
-  double sum = log_marginal_density(condensed.graph) - std::log(kFalseClosureVolume) +
-               log_prior(group(called_true), true);
+  double sum = log_marginal_density(condensed.graph) + log_prior(group(called_true), true);
+  if (!set.empty()) sum -= std::log(kFalseClosureVolume);
   const ClosureGroups false_groups = group(called_false);
   for (const double inner : false_groups.inner_log_density)
     sum += inner - std::log(kFalseClosureVolume);
@@ -113,9 +114,15 @@ ConnectionTrial connection_at(const FramePair& frames, const std::vector<Pairwis
   ConnectionTrial trial{scale_x, scale_y, consistent_sets(between, chain, chain, options), 0.0};
   const auto squared_log = [](double scale) { return std::log(scale) * std::log(scale); };
   trial.log_evidence =
-      log_evidence(frames, std::move(graph), between, trial.found, options.probability) -
+      log_evidence(frames, std::move(graph), between, trial.found.sets.front(),
+                   options.probability) -
       0.5 * (squared_log(scale_x) + squared_log(scale_y)) / (kLogScale * kLogScale);
   return trial;
+}
+
+double log_likelihood_ratio(const FramePair& frames, const std::vector<PairwiseClosure>& between,
+                            const ConnectionTrial& trial, const ConsistencyOptions& options) {
+  return trial.log_evidence - log_evidence(frames, frames.graph, between, {}, options.probability);
 }
 
 ConnectionTrial best_connection(const FramePair& frames,

@@ -35,6 +35,14 @@ struct ConnectionTrial {
                                             double scale_x, double scale_y,
                                             const ConsistencyOptions& options);
 
+/// Logarithm of the likelihood ratio of a trial over both odometries: its first set true against no
+/// closure true at the stated scales. Where false ones are independent, this is what agreement by
+/// chance would cost; look-alike places agree as true ones do, and it says nothing about them.
+[[nodiscard]] double log_likelihood_ratio(const FramePair& frames,
+                                          const std::vector<PairwiseClosure>& between,
+                                          const ConnectionTrial& trial,
+                                          const ConsistencyOptions& options);
+
 /// Sets at the scales of highest evidence, which are 1 or more: that odometry is better than stated
 /// would take more than closures that happen to agree. Where all agree at 1, or there are fewer
 /// than three, nothing else is tried. Deterministic.

@@ -7,9 +7,10 @@
 
 namespace groundloop {
 
-/// Logarithm of the integral, over all poses but one fixed in each component, of the product of the
-/// normal densities of the residuals of the edges that are not rejected; Laplace's approximation at
-/// the solution, from the poses given. Information of closures is bounded (closure_groups.hpp).
+/// Logarithm of the integral, over all unknowns, one pose of each component held, of the product of
+/// the normal densities of the residuals of all factors that count; Laplace's approximation at the
+/// solution, from the values given. Information of closures, and where an edge leaves a direction
+/// open, is bounded (relative_pose.hpp): what nobody measured is unknown, not certain.
 [[nodiscard]] double log_marginal_density(PoseGraph graph);
 
 }  // namespace groundloop

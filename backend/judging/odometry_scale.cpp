@@ -25,6 +25,7 @@ constexpr double kLogScaleDownward = 0.35;
 // Factors of sqrt(2) from a half to sixteen times.
 constexpr double kSmallest = 0.5;
 constexpr int kScales = 11;
+constexpr std::size_t kStated = 2;  // place of scale 1 among them
 
 // Weighs verdicts on one graph with its odometry at one scale.
 class Evidence {
@@ -170,10 +171,14 @@ OdometryScale estimate_odometry_scale(const PoseGraph& graph, const ScaleOptions
     result.trials.push_back(search.at(0.0));
     return result;
   }
-  for (int i = 0; i < kScales; ++i) {
+  for (int i = 0; i < kScales; ++i)
     result.trials.push_back(search.at(std::log(kSmallest) + 0.5 * std::numbers::ln2 * i));
-    if (result.trials.back().log_evidence > result.trials[result.best].log_evidence)
-      result.best = result.trials.size() - 1;
+  // The stated scale stands where no trial says anything.
+  result.best = kStated;
+  for (std::size_t i = 0; i < result.trials.size(); ++i) {
+    const double evidence = result.trials[i].log_evidence;
+    const double best = result.trials[result.best].log_evidence;
+    if (std::isfinite(evidence) && (!std::isfinite(best) || evidence > best)) result.best = i;
   }
   result.scale = result.trials[result.best].scale;
   return result;

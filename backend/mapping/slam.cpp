@@ -1,7 +1,7 @@
 #include "backend/mapping/slam.hpp"
 
-#include "backend/graph/g2o_file.hpp"
 #include "backend/mapping/scan_processing.hpp"
+#include "backend/session/session_graph.hpp"
 #include "frontend/core/clock.hpp"
 
 namespace groundloop {
@@ -14,7 +14,7 @@ void write_results(const SessionFolder& folder, const SlamResult& result,
   write_kitti_poses(folder.file("trajectory.kitti"), result.solution.trajectory);
   write_closures(folder.file("closures.csv"), result.closures);
   write_local_maps(folder.file("local_maps.csv"), result.maps);
-  write_g2o(folder.file("pose_graph.g2o"), result.solution.key_graph);
+  write_session_graph(folder.file("pose_graph.g2o"), result.solution.key_graph);
   finder.database().save(folder.file("loop_database.bin"));
 }
 

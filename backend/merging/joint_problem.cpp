@@ -47,7 +47,7 @@ JointProblem::JointProblem(const std::vector<StoredSession>& sessions,
     for (GraphEdge edge : session.graph.edges) {
       edge.from += first_vertex;
       edge.to += first_vertex;
-      edge.kind = EdgeKind::odometry;
+      if (edge.kind == EdgeKind::closure) edge.kind = EdgeKind::settled;
       graph.edges.push_back(edge);
     }
   }

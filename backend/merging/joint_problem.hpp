@@ -2,7 +2,6 @@
 // numbering, access to local maps, solving, and the trial of a pair of maps.
 #pragma once
 
-#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -22,8 +21,8 @@ class JointProblem {
                const MergeOptions& options);
 
   std::vector<MergedPart> parts;
-  /// Ids are positions: part.first_map + map. The sessions' own edges come first; they were judged
-  /// by their sessions and are taken as they are.
+  /// Ids are positions: part.first_map + map. The sessions' own edges come first; their closures
+  /// were judged by their sessions and are settled.
   PoseGraph graph;
   std::vector<int> part_of;             ///< of each vertex
   std::vector<ClosureRecord> closures;  ///< between recordings of different frames at the start
@@ -39,10 +38,6 @@ class JointProblem {
   [[nodiscard]] std::shared_ptr<StoredMap> map(int vertex);
   [[nodiscard]] const GroundFootprint& footprint(int vertex);
 
-  /// Whether the edge is odometry from one map to the next, not a closure inside a session.
-  [[nodiscard]] bool is_step(const GraphEdge& edge) const {
-    return part_of[edge.from] == part_of[edge.to] && std::abs(edge.from - edge.to) == 1;
-  }
   /// The closure as an edge between vertices, the maps' first scans: as it is where the maps meet,
   /// and along the sessions' own solutions, which bent the maps' odometry, from there.
   [[nodiscard]] GraphEdge edge_of(const ClosureRecord& closure) const;

@@ -6,6 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "backend/merging/frame_check.hpp"
 #include "backend/merging/joint_problem.hpp"
 #include "backend/merging/session_connection.hpp"
 #include "frontend/core/error.hpp"
@@ -173,28 +174,16 @@ std::size_t add_revisits(JointProblem& problem, const std::vector<int>& frames_b
   return added;
 }
 
-// Frames by what the accepted closures join in the end: the robust solver may have cut a
-// connection.
-void check_frames(JointProblem& problem, const std::vector<int>& frames_before,
-                  const PoseGraph& before) {
-  const std::vector<int> component = connected_components(problem.graph);
-  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
-    MergedPart& part = problem.parts[p];
-    if (component[part.first_map] == component[problem.parts[part.frame].first_map]) continue;
-    problem.notes.push_back("'" + part.source->name + "' not connected to '" +
-                            problem.parts[part.frame].source->name +
-                            "': the joint solution contradicts the closures between them");
-    spdlog::warn("{}", problem.notes.back());
-    part.frame = frames_before[p];
-    part.odometry_scale = 1.0;
-    const auto first = static_cast<std::size_t>(part.first_map);
-    for (std::size_t m = 0; m < part.maps.size(); ++m)
-      problem.graph.vertices[first + m].pose = before.vertices[first + m].pose;
-    for (std::size_t k = 0; k < before.edges.size(); ++k) {
-      if (problem.part_of[before.edges[k].from] == static_cast<int>(p))
-        problem.graph.edges[k].information = before.edges[k].information;
-    }
+// Whether a recording's maps lie elsewhere than before.
+bool moved(const MergedPart& part, const PoseGraph& graph, const PoseGraph& before) {
+  for (std::size_t m = 0; m < part.maps.size(); ++m) {
+    const std::size_t v = static_cast<std::size_t>(part.first_map) + m;
+    const Pose& now = graph.vertices[v].pose;
+    const Pose& then = before.vertices[v].pose;
+    if (now.translation != then.translation || now.rotation.coeffs() != then.rotation.coeffs())
+      return true;
   }
+  return false;
 }
 
 // Bends a recording's trajectory to its maps' new poses: the correction at a map's first scan goes
@@ -254,7 +243,8 @@ void mark_gauge(JointProblem& problem) {
   }
 }
 
-// The sessions' own closures, for the table of the whole, and their edges called closures again.
+// The sessions' own closures and those between them, for the table of the whole; in this order
+// their edges stand in the graph.
 std::vector<ClosureRecord> all_closures(const std::vector<StoredSession>& sessions,
                                         const JointProblem& problem) {
   std::vector<ClosureRecord> all;
@@ -303,8 +293,7 @@ MergeResult merge_sessions(const std::vector<StoredSession>& sessions,
   result.times.optimisation = seconds_since(start);
 
   for (MergedPart& part : problem.parts) {
-    const bool moved = std::find(joined.begin(), joined.end(), part.frame) != joined.end();
-    if (moved && !part.fixed) spread(problem.graph, part);
+    if (moved(part, problem.graph, before)) spread(problem.graph, part);
   }
   for (SessionPair& pair : result.pairs) count(problem, pair);
   mark_gauge(problem);

@@ -27,6 +27,7 @@ struct ConnectionOptions {
   double min_predicted_overlap = 0.5;
   int max_trials = 12;
   double min_confirmed = 0.5;
+  double min_evidence = 10.0;
   bool estimate_scale = true;
 
   template <typename Self, typename Visitor>
@@ -43,7 +44,12 @@ struct ConnectionOptions {
           "share of ground that two maps must have in common to be a test of the connection");
     field("max_trials", self.max_trials, Range{0, 10000}, "", "pairs tried to test a connection");
     field("min_confirmed", self.min_confirmed, Range{0.0, 1.0}, "",
-          "share of the tested pairs, the set's own among them, that registration must confirm");
+          "share of the tested pairs, none of them the set's own, that registration must confirm; "
+          "with fewer, or with none to be tested, the set needs");
+    field(
+        "min_evidence", self.min_evidence, Range{0.0, 1000.0}, "",
+        "logarithm of the likelihood ratio, over both odometries, of the set against agreement by "
+        "chance: 10 is 22 000 to one");
     field(
         "estimate_scale", self.estimate_scale, OnOff{}, "",
         "where too few closures between two sessions agree, ask them how much more the odometries "

@@ -65,7 +65,7 @@ struct Manifest {
 };
 
 /// The session format this version reads and writes.
-inline constexpr int kSessionFormat = 2;
+inline constexpr int kSessionFormat = 3;
 
 /// A file of the folder by the name `manifest.json`, whether it can be read or not.
 [[nodiscard]] bool has_manifest(const SessionFolder& folder);

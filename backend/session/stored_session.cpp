@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <span>
 
-#include "backend/graph/g2o_file.hpp"
 #include "backend/session/manifest.hpp"
+#include "backend/session/session_graph.hpp"
 #include "frontend/core/checksum.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
@@ -150,38 +150,20 @@ void add_descriptions(const fs::path& file, const LoopDatabase& database,
   }
 }
 
-// Leaves out the closures that the session itself gave up, and calls edges between recordings
-// closures whatever their ids.
-void read_graph(StoredSession& session) {
-  const fs::path file = session.folder.file("pose_graph.g2o");
-  session.graph = read_g2o(file).graph;
-  std::vector<int> part_of;
-  for (std::size_t p = 0; p < session.parts.size(); ++p)
-    part_of.insert(part_of.end(), session.parts[p].maps.size(), static_cast<int>(p));
-  if (session.graph.vertices.size() != part_of.size())
-    fail(file, "vertices and local maps differ in number; run the session again");
-  for (std::size_t v = 0; v < part_of.size(); ++v) {
-    if (session.graph.vertices[v].id != static_cast<int>(v))
-      fail(file, "vertices are not numbered as local maps; run the session again");
-  }
-  const auto given_up = [&](const GraphEdge& edge) {
-    const int q = part_of[edge.from];
-    const int r = part_of[edge.to];
-    return std::any_of(
-        session.closures.begin(), session.closures.end(), [&](const ClosureRecord& c) {
-          return c.status == ClosureStatus::outlier && c.query_session == session.parts[q].name &&
-                 c.reference_session == session.parts[r].name &&
-                 c.query_map == edge.from - session.parts[q].first_map &&
-                 c.reference_map == edge.to - session.parts[r].first_map &&
-                 (c.T_query_reference.translation - edge.T_from_to.translation).norm() < 1e-9;
-        });
+// The vertices of a closure's row, query and reference.
+std::vector<ClosureEnds> ends_of_accepted(const StoredSession& session) {
+  const auto vertex = [&](const std::string& name, int map) {
+    const auto part = std::find_if(session.parts.begin(), session.parts.end(),
+                                   [&](const SessionPart& p) { return p.name == name; });
+    return part->first_map + map;
   };
-  for (GraphEdge& edge : session.graph.edges) {
-    if (part_of[edge.from] != part_of[edge.to]) edge.kind = EdgeKind::closure;
+  std::vector<ClosureEnds> ends;
+  for (const ClosureRecord& c : session.closures) {
+    if (c.status != ClosureStatus::accepted) continue;
+    ends.push_back(
+        {vertex(c.query_session, c.query_map), vertex(c.reference_session, c.reference_map)});
   }
-  std::erase_if(session.graph.edges, [&](const GraphEdge& edge) {
-    return edge.kind == EdgeKind::closure && given_up(edge);
-  });
+  return ends;
 }
 
 }  // namespace
@@ -204,7 +186,8 @@ StoredSession load_session(const fs::path& path, const LoopClosureOptions& optio
   check_closures(session);
   const fs::path database = folder.file("loop_database.bin");
   add_descriptions(database, LoopDatabase::load(database, options), session.parts);
-  read_graph(session);
+  session.graph =
+      read_session_graph(folder.file("pose_graph.g2o"), maps.size(), ends_of_accepted(session));
   return session;
 }
 

@@ -1,5 +1,7 @@
 #include "backend/judging/odometry_scale.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "backend/judging/closure_groups.hpp"
@@ -38,6 +40,25 @@ TEST(OdometryScale, OneTrueClosureTellsOfWorseOdometry) {
   const OdometryScale found = estimate_odometry_scale(simulated.graph);
   EXPECT_GT(found.scale, 1.9);
   EXPECT_EQ(found.trials[found.best].accepted, 1);
+}
+
+TEST(OdometryScale, AStepOfUnknownErrorDoesNotHideWhatTheClosuresSay) {
+  testing::SimulatedGraph simulated = testing::simulate_graph(1200, 12, kLap, 8);
+  const double known = estimate_odometry_scale(simulated.graph).scale;
+  simulated.graph.edges[300].information.setZero();
+  const OdometryScale found = estimate_odometry_scale(simulated.graph);
+  EXPECT_TRUE(std::isfinite(found.trials[found.best].log_evidence));
+  EXPECT_NEAR(found.scale, known, 0.5 * known);
+  EXPECT_GT(found.scale, 0.6);
+}
+
+TEST(OdometryScale, IsTheStatedOneWhereNoTrialSaysAnything) {
+  testing::SimulatedGraph simulated = testing::simulate_graph(1200, 12, kLap, 8);
+  // A closure whose pose is no number has no evidence at any scale.
+  for (GraphEdge& edge : simulated.graph.edges) {
+    if (edge.kind == EdgeKind::closure) edge.information.setConstant(std::nan(""));
+  }
+  EXPECT_EQ(estimate_odometry_scale(simulated.graph).scale, 1.0);
 }
 
 TEST(ClosureGroups, NeighboursThatAgreeAreOneGroup) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "backend/graph/odometry_information.hpp"
+#include "backend/merging/frame_check.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/pcd.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -31,7 +32,7 @@ Pose true_pose(int i, int start) {
 class SessionMerge : public ::testing::Test {
  protected:
   // A session whose world is its first scan.
-  StoredSession session(const std::string& name, int start) {
+  StoredSession session(const std::string& name, int start, int maps = kMaps) {
     const std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path / "local_maps");
     StoredSession result{SessionFolder(path), {}, {}, {}};
@@ -39,11 +40,11 @@ class SessionMerge : public ::testing::Test {
     part.name = name;
     part.fingerprint = std::hash<std::string>()(name);
     const Pose T_own_world = true_pose(0, start).inverse();
-    for (int i = 0; i < kMaps * kScansOfAMap; ++i)
+    for (int i = 0; i < maps * kScansOfAMap; ++i)
       part.trajectory.push_back({100 * i, T_own_world * true_pose(i, start)});
     part.odometry = part.trajectory;
     const OdometryInformationOptions information;
-    for (int m = 0; m < kMaps; ++m) {
+    for (int m = 0; m < maps; ++m) {
       const auto first = static_cast<std::size_t>(m * kScansOfAMap);
       part.maps.push_back({m, first, first + kScansOfAMap - 1, 1, part.trajectory[first].pose});
       result.graph.vertices.push_back({m, part.trajectory[first].pose, m == 0});
@@ -266,6 +267,92 @@ TEST_F(SessionMerge, JoinsASessionWhoseOdometryErrsMoreThanItSays) {
     const Pose expected = true_pose(0, 0).inverse() * true_pose(q * kScansOfAMap, 12);
     EXPECT_LT((result.parts[1].maps[q].T_world_map.translation - expected.translation).norm(), 0.3);
   }
+}
+
+// Level ground with boxes that stand elsewhere in each: maps of places that are not the same.
+Points ground_with_boxes(std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<float> anywhere(-60.0F, 60.0F), within(-1.0F, 1.0F);
+  Points points;
+  for (int i = 0; i < 4000; ++i) points.push_back({anywhere(generator), anywhere(generator), 0.0F});
+  for (int box = 0; box < 25; ++box) {
+    const float x = anywhere(generator), y = anywhere(generator);
+    for (int i = 0; i < 80; ++i)
+      points.push_back(
+          {x + within(generator), y + within(generator), 2.0F + 2.0F * within(generator)});
+  }
+  return points;
+}
+
+TEST_F(SessionMerge, TwelveFalseClosuresThatAgreeAndNobodyConfirmsJoinNothing) {
+  constexpr int kMany = 13;
+  std::vector<StoredSession> s{session("a", 0, kMany), session("b", 0, kMany)};
+  std::vector<ClosureRecord> all;
+  for (int m = 0; m < kMany; ++m) {
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      write_pcd(s[i].folder.local_map(m),
+                ground_with_boxes(1U + 2U * static_cast<std::uint32_t>(m) + i));
+    }
+    if (m < kMany - 1) all.push_back(closure("a", m, "b", m));
+  }
+  MergeOptions with_trials = options();
+  with_trials.connection.max_trials = MergeOptions().connection.max_trials;
+  const MergeResult result =
+      merge_sessions(s, {matches(s[0], s[1], all)}, std::nullopt, with_trials, {});
+  EXPECT_EQ(result.parts[1].frame, 1);
+  EXPECT_EQ(result.pairs[0].accepted, 0U);
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_NE(result.notes[0].find("12 closures agree, but only 0 of 12 further pairs"),
+            std::string::npos)
+      << result.notes[0];
+}
+
+TEST_F(SessionMerge, OneClosureAloneIsNoEvidenceAndSaysWhatIsMissing) {
+  std::vector<StoredSession> s{session("a", 0), session("b", 12)};
+  ClosureRecord strong = closure("a", 3, "b", 0);
+  strong.inliers = 40;
+  strong.overlap = 0.8;
+  const MergeResult result =
+      merge_sessions(s, {matches(s[0], s[1], {strong})}, std::nullopt, options(), {});
+  EXPECT_EQ(result.parts[1].frame, 1);
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_NE(result.notes[0].find("likelihood ratio"), std::string::npos) << result.notes[0];
+}
+
+TEST_F(SessionMerge, SessionsStillJoinedStayTogetherWhereTheFramesRootDropsOut) {
+  const std::vector<StoredSession> s{session("a", 0), session("b", 12), session("c", 20)};
+  const MergeOptions given = options();
+  JointProblem problem(s, std::nullopt, given);
+  const PoseGraph before = problem.graph;
+  const std::vector<int> frames_before{0, 1, 2};
+  // All were joined to a and lie in its frame; the solution leaves a's closure out.
+  for (MergedPart& part : problem.parts) part.frame = 0;
+  for (std::size_t v = 0; v < problem.graph.vertices.size(); ++v) {
+    const int part = problem.part_of[v];
+    const int start = starts_.at(s[static_cast<std::size_t>(part)].parts[0].name);
+    problem.graph.vertices[v].pose =
+        planar(3.0, 1.0, 0.2) * true_pose(0, start) * problem.graph.vertices[v].pose;
+  }
+  problem.closures = {closure("a", 3, "b", 0), closure("b", 2, "c", 0)};
+  problem.closures[0].status = ClosureStatus::outlier;
+  for (const ClosureRecord& c : problem.closures) {
+    problem.graph.edges.push_back(problem.edge_of(c));
+    problem.graph.edges.back().rejected = c.status == ClosureStatus::outlier;
+  }
+  check_frames(problem, frames_before, before);
+  EXPECT_EQ(problem.parts[0].frame, 0);
+  EXPECT_EQ(problem.parts[1].frame, 1);
+  EXPECT_EQ(problem.parts[2].frame, 1);
+  EXPECT_EQ(problem.graph.vertices[0].pose.translation, before.vertices[0].pose.translation);
+  // In b's own world, c where it is from b.
+  const Pose T_world_b = true_pose(0, 12);
+  for (int m = 0; m < kMaps; ++m) {
+    const Pose expected = T_world_b.inverse() * true_pose(m * kScansOfAMap, 20);
+    const Pose& now = problem.graph.vertices[problem.vertex(2, m)].pose;
+    EXPECT_LT((now.translation - expected.translation).norm(), 1e-9);
+  }
+  ASSERT_EQ(problem.notes.size(), 1U);
+  EXPECT_NE(problem.notes[0].find("'b' with 'c' not connected to 'a'"), std::string::npos);
 }
 
 TEST_F(SessionMerge, MatchesFileReadsBackTheSame) {
