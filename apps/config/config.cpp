@@ -4,7 +4,6 @@
 #include <charconv>
 #include <iterator>
 #include <map>
-#include <sstream>
 
 #include <yaml-cpp/yaml.h>
 
@@ -58,25 +57,10 @@ struct Setter {
   }
 };
 
-struct KeyCollector {
+// Every field as text, with what is said of it.
+struct Lister {
   std::string section;
-  std::vector<std::string>& keys;
-  template <typename... Rest>
-  void operator()(const char* name, const Rest&...) const {
-    keys.push_back(section + "." + name);
-  }
-};
-
-std::vector<std::string> all_keys(const Config& config) {
-  std::vector<std::string> keys;
-  for_each_section(config, [&]<typename Options>(const char* section, const Options& options) {
-    Options::visit(options, KeyCollector{section, keys});
-  });
-  return keys;
-}
-
-struct YamlWriter {
-  std::ostringstream& out;
+  std::vector<ConfigEntry>& entries;
   static std::string text(double v) { return to_text(v); }
   static std::string text(int v) { return std::to_string(v); }
   static std::string text(bool v) { return v ? "true" : "false"; }
@@ -91,14 +75,16 @@ struct YamlWriter {
   template <typename T, typename R>
   void operator()(const char* key, const T& value, const R& allowed, const char* unit,
                   const char* reason) const {
-    std::string line = std::string("  ") + key + ": " + text(value);
-    line.resize(std::max<std::size_t>(line.size() + 1, 40), ' ');
-    const std::string limits = range(allowed);
-    out << line << "# " << unit << (*unit != '\0' ? "; " : "") << reason;
-    if (!limits.empty()) out << " [" << limits << "]";
-    out << "\n";
+    entries.push_back({section, key, text(value), range(allowed), unit, reason});
   }
 };
+
+std::string yaml_line(const ConfigEntry& entry) {
+  std::string line = "  " + entry.key + ": " + entry.value;
+  line.resize(std::max<std::size_t>(line.size() + 1, 40), ' ');
+  line += "# " + entry.unit + (entry.unit.empty() ? "" : "; ") + entry.reason;
+  return line + (entry.allowed.empty() ? "" : " [" + entry.allowed + "]") + "\n";
+}
 
 std::string preset_text(const std::string& name) {
   for (const Preset& preset : kPresets) {
@@ -116,7 +102,9 @@ void set_option(Config& config, const std::string& key, const std::string& value
     Options::visit(options, Setter{section, key, value, place, found});
   });
   if (found) return;
-  const std::vector<std::string> keys = all_keys(config);
+  std::vector<std::string> keys;
+  for (const ConfigEntry& entry : list_config(config))
+    keys.push_back(entry.section + "." + entry.key);
   throw InputError(place + ": unknown key '" + key + "'; did you mean '" + nearest_word(key, keys) +
                    "'? 'groundloop config' lists all keys");
 }
@@ -182,13 +170,23 @@ void validate_config(const Config& config) {
   });
 }
 
-std::string to_yaml(const Config& config) {
-  std::ostringstream out;
+std::vector<ConfigEntry> list_config(const Config& config) {
+  std::vector<ConfigEntry> entries;
   for_each_section(config, [&]<typename Options>(const char* section, const Options& options) {
-    out << section << ":\n";
-    Options::visit(options, YamlWriter{out});
+    Options::visit(options, Lister{section, entries});
   });
-  return out.str();
+  return entries;
+}
+
+std::string to_yaml(const Config& config) {
+  std::string yaml;
+  std::string section;
+  for (const ConfigEntry& entry : list_config(config)) {
+    if (entry.section != section) yaml += entry.section + ":\n";
+    section = entry.section;
+    yaml += yaml_line(entry);
+  }
+  return yaml;
 }
 
 std::vector<std::string> preset_names() {

@@ -37,10 +37,25 @@ struct MapSection {
   }
 };
 
+struct ReportSection {
+  int points = 1'000'000;
+  int closures = 60;
+
+  template <typename Self, typename Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("points", self.points, Range{0, 10'000'000}, "",
+          "of the 3-D view in report.html, thinned evenly; a million take some 7 MB, 0 leaves the "
+          "view out");
+    field("closures", self.closures, Range{0, 100'000}, "",
+          "shown with their images and cross-sections, accepted ones first; each takes some 60 kB");
+  }
+};
+
 struct Config {
   RecordingSection recording;
   SlamOptions slam;
   MapSection map;
+  ReportSection report;
   ConnectionOptions connection;
 };
 
@@ -66,6 +81,7 @@ void for_each_section(Self& config, F&& f) {
   f("map_quality", config.slam.map_quality);
   f("planted_closures", config.slam.planted_closures);
   f("map", config.map);
+  f("report", config.report);
   f("connection", config.connection);
 }
 
@@ -82,6 +98,15 @@ void read_config(Config& config, const std::string& file_or_preset);
 
 /// Throws InputError naming the first value that is out of its range.
 void validate_config(const Config& config);
+
+/// One option as text.
+struct ConfigEntry {
+  std::string section, key, value;
+  std::string allowed;  ///< "0 to 1", "auto | on | off"; empty for a switch
+  std::string unit, reason;
+};
+/// Every option, in the order of the sections.
+[[nodiscard]] std::vector<ConfigEntry> list_config(const Config& config);
 
 /// The whole configuration as YAML, with the unit and the reason of every key.
 [[nodiscard]] std::string to_yaml(const Config& config);

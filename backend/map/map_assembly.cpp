@@ -15,40 +15,6 @@ double tile_edge(const MapAssemblyOptions& options) {
   return options.voxel_size * std::max(1.0, std::round(options.tile_size / options.voxel_size));
 }
 
-// Looks placements up by the cell a point lies in, so that they are searched once a cell.
-class Placements {
- public:
-  explicit Placements(const MapPiece& piece) : placements_(piece.placements) {}
-
-  [[nodiscard]] Eigen::Vector3d in_world(const Eigen::Vector3f& point) {
-    return placement(point).T_world_map * Eigen::Vector3d(point.cast<double>());
-  }
-
- private:
-  static constexpr float kCell = 2.0F;  // m
-
-  [[nodiscard]] const ScanPlacement& placement(const Eigen::Vector3f& point) {
-    if (placements_.size() == 1 || !has_voxel(point)) return placements_.front();
-    const Eigen::Vector3i cell = voxel_of(point, 1.0F / kCell);
-    const auto next = static_cast<std::uint32_t>(nearest_.size());
-    const std::uint32_t number = cells_.find_or_insert(voxel_key(cell), next);
-    if (number == next) {
-      const Eigen::Vector3f centre = (cell.cast<float>().array() + 0.5F).matrix() * kCell;
-      const auto nearest = std::min_element(placements_.begin(), placements_.end(),
-                                            [&](const ScanPlacement& a, const ScanPlacement& b) {
-                                              return (a.place - centre).squaredNorm() <
-                                                     (b.place - centre).squaredNorm();
-                                            });
-      nearest_.push_back(static_cast<std::uint32_t>(nearest - placements_.begin()));
-    }
-    return placements_[nearest_[number]];
-  }
-
-  const std::vector<ScanPlacement>& placements_;
-  VoxelTable cells_;
-  std::vector<std::uint32_t> nearest_;
-};
-
 // One point a voxel: the mean, and the session that saw the voxel first.
 std::vector<ExportPoint> downsample(const std::vector<TilePoint>& points, double voxel_size,
                                     const Eigen::Vector3d& corner) {
@@ -94,34 +60,6 @@ std::uint64_t assemble_all_points(const std::vector<MapPiece>& pieces, PointClou
 }
 
 }  // namespace
-
-std::vector<Eigen::Vector3d> points_in_world(const MapPiece& piece) {
-  std::vector<Eigen::Vector3d> points;
-  Placements placements(piece);
-  for (const Eigen::Vector3f& point : read_pcd(piece.file)) {
-    if (point.allFinite()) points.push_back(placements.in_world(point));
-  }
-  return points;
-}
-
-MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
-                     std::uint16_t session) {
-  return {file, {{Eigen::Vector3f::Zero(), T_world_map}}, session};
-}
-
-MapPiece bent_piece(const std::filesystem::path& file, const LocalMapRecord& map,
-                    const Trajectory& odometry, const Trajectory& trajectory,
-                    std::uint16_t session) {
-  constexpr float kApart = 1.0F;  // m; scans in between say nothing new
-  MapPiece piece{file, {}, session};
-  for (std::size_t i = map.first_scan; i <= map.last_scan; ++i) {
-    const Pose T_map_scan = odometry[map.first_scan].pose.inverse() * odometry[i].pose;
-    const Eigen::Vector3f place = T_map_scan.translation.cast<float>();
-    if (i > map.first_scan && (place - piece.placements.back().place).norm() < kApart) continue;
-    piece.placements.push_back({place, trajectory[i].pose * T_map_scan.inverse()});
-  }
-  return piece;
-}
 
 std::uint64_t assemble_map(const std::vector<MapPiece>& pieces, const MapAssemblyOptions& options,
                            PointCloudWriter& writer, const std::filesystem::path& folder,

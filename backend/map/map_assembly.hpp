@@ -8,12 +8,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "backend/map/map_piece.hpp"
 #include "backend/map/point_cloud_export.hpp"
-#include "backend/session/session.hpp"
 #include "frontend/core/options.hpp"
-#include "frontend/core/pose.hpp"
 #include "frontend/core/progress.hpp"
-#include "frontend/core/trajectory.hpp"
 
 namespace groundloop {
 
@@ -29,31 +27,6 @@ struct MapAssemblyOptions {
           "edge of the square that is in memory at a time");
   }
 };
-
-/// Where a scan stood in its local map, and where the map lies as this scan has it.
-struct ScanPlacement {
-  Eigen::Vector3f place;  ///< m, in the map's frame
-  Pose T_world_map;
-};
-
-/// A local map as a session keeps it. Its points were put together by odometry; what the solution
-/// made of odometry inside the map reaches them by the scan that stood nearest.
-struct MapPiece {
-  std::filesystem::path file;  ///< written by write_pcd
-  std::vector<ScanPlacement> placements;
-  std::uint16_t session = 0;
-};
-
-/// The whole map at one pose.
-[[nodiscard]] MapPiece rigid_piece(const std::filesystem::path& file, const Pose& T_world_map,
-                                   std::uint16_t session = 0);
-/// The map built from `odometry`, following `trajectory` (one pose a scan in both).
-[[nodiscard]] MapPiece bent_piece(const std::filesystem::path& file, const LocalMapRecord& map,
-                                  const Trajectory& odometry, const Trajectory& trajectory,
-                                  std::uint16_t session = 0);
-
-/// The points of a piece where the solution has them; those that are not finite are left out.
-[[nodiscard]] std::vector<Eigen::Vector3d> points_in_world(const MapPiece& piece);
 
 /// Writes the map to `writer` (finish() is the caller's) and returns its number of points. The
 /// order is that of the tiles, not of the maps. `folder` takes the temporary file.

@@ -41,11 +41,10 @@ void check_files(const SessionFolder& folder, const Manifest& manifest) {
 }
 
 // The recordings of a session; one that is not merged has itself as its only part.
-std::vector<ManifestPart> parts_of(const SessionFolder& folder, const Manifest& manifest) {
+std::vector<ManifestPart> parts_of(const std::string& name, const Manifest& manifest) {
   if (manifest.merged()) return manifest.parts;
   ManifestPart part;
-  part.name = folder.name();
-  check_part_name(part.name, folder.path().string() + ": the folder's name");
+  part.name = name;
   part.recording = manifest.recording.at("path").get<std::string>();
   part.sensor = manifest.sensor;
   part.scans = manifest.scans;
@@ -168,11 +167,9 @@ std::vector<ClosureEnds> ends_of_accepted(const StoredSession& session) {
 
 }  // namespace
 
-StoredSession load_session(const fs::path& path, const LoopClosureOptions& options) {
-  StoredSession session{SessionFolder(path), {}, {}, {}};
-  const SessionFolder& folder = session.folder;
-  const Manifest manifest = read_complete_manifest(folder);
-  check_files(folder, manifest);
+StoredSession read_session(const SessionFolder& folder, const std::string& name,
+                           const Manifest& manifest, const LoopClosureOptions& options) {
+  StoredSession session{folder, {}, {}, {}};
   const Trajectory odometry = read_tum(folder.file("odometry.tum"));
   const Trajectory trajectory = read_tum(folder.file("trajectory.tum"));
   const std::vector<LocalMapRecord> maps = read_local_maps(folder.file("local_maps.csv"));
@@ -180,7 +177,7 @@ StoredSession load_session(const fs::path& path, const LoopClosureOptions& optio
     fail(folder.file("odometry.tum"), "odometry and trajectory differ in length");
   if (trajectory.size() != manifest.scans || maps.size() != manifest.local_maps)
     fail(folder.file("manifest.json"), "counts other scans or local maps than the tables hold");
-  for (const ManifestPart& part : parts_of(folder, manifest))
+  for (const ManifestPart& part : parts_of(name, manifest))
     session.parts.push_back(make_part(folder, part, odometry, trajectory, maps));
   session.closures = read_closures(folder.file("closures.csv"));
   check_closures(session);
@@ -189,6 +186,15 @@ StoredSession load_session(const fs::path& path, const LoopClosureOptions& optio
   session.graph =
       read_session_graph(folder.file("pose_graph.g2o"), maps.size(), ends_of_accepted(session));
   return session;
+}
+
+StoredSession load_session(const fs::path& path, const LoopClosureOptions& options) {
+  const SessionFolder folder(path);
+  const Manifest manifest = read_complete_manifest(folder);
+  check_files(folder, manifest);
+  if (!manifest.merged())
+    check_part_name(folder.name(), folder.path().string() + ": the folder's name");
+  return read_session(folder, folder.name(), manifest, options);
 }
 
 }  // namespace groundloop

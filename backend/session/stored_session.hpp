@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/graph/pose_graph.hpp"
+#include "backend/session/manifest.hpp"
 #include "backend/session/session.hpp"
 #include "frontend/core/trajectory.hpp"
 #include "loopclosure/loop_closure.hpp"
@@ -39,6 +40,12 @@ struct StoredSession {
 /// them, and every local map, against the manifest's checksums. Throws InputError, naming the
 /// file, where the session is unfinished, of another version, damaged or cut off.
 [[nodiscard]] StoredSession load_session(const std::filesystem::path& folder,
+                                         const LoopClosureOptions& options);
+
+/// The same of files that were just written and have no manifest yet: as `manifest` says, unchecked
+/// but against each other. `name` is that of a session of one recording.
+[[nodiscard]] StoredSession read_session(const SessionFolder& folder, const std::string& name,
+                                         const Manifest& manifest,
                                          const LoopClosureOptions& options);
 
 }  // namespace groundloop
