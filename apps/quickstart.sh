@@ -8,6 +8,7 @@ packages=(
   g++ cmake ninja-build ccache
   libeigen3-dev libceres-dev libsuitesparse-dev libopenblas-serial-dev libopencv-dev libpcl-dev libtbb-dev libembree-dev
   libspdlog-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libpng-dev libxxhash-dev libnanoflann-dev
+  zlib1g-dev libjs-three libjs-d3
   librosbag-storage-dev libsqlite3-dev libzstd-dev liblz4-dev libbz2-dev
   libgtest-dev libgmock-dev libbenchmark-dev xz-utils
 )

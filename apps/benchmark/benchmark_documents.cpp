@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "apps/benchmark/suite_tables.hpp"
-#include "apps/report/report.hpp"
+#include "apps/report/html_page.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/core/output_file.hpp"
 
@@ -53,8 +53,8 @@ std::string today() {
   return text;
 }
 
-ReportTable for_page(const Table& table) {
-  ReportTable page{table.title, "", {}, {}};
+PageTable for_page(const Table& table) {
+  PageTable page{table.title, "", {}, {}};
   for (const std::string& note : table.notes) page.note += (page.note.empty() ? "" : ". ") + note;
   for (const TableColumn& column : table.columns) {
     page.columns.push_back((column.above.empty() ? "" : column.above + ": ") + column.heading);
@@ -120,9 +120,9 @@ void write_benchmark_documents(const Suite& suite, const Results& results, const
   write_curves(results, out / "curves");
   std::string text = "# " + results.title + "\n\n";
   for (const auto& [key, value] : results.made) text += "- " + key + ": " + value + "\n";
-  ReportInput page;
+  Page page;
   page.title = results.title;
-  page.facts = results.made;
+  page.figures = results.made;
   std::vector<Table> tables;
   for (const SuiteTable& wanted : suite.tables) {
     Table table = make_table(wanted, results);
@@ -139,7 +139,7 @@ void write_benchmark_documents(const Suite& suite, const Results& results, const
     page.tables.push_back(for_page(tables[t]));
   }
   write_text_atomically(out / "report.md", text);
-  write_text_atomically(out / "report.html", make_report(page));
+  write_text_atomically(out / "report.html", make_page(std::move(page)));
 }
 
 }  // namespace groundloop::apps

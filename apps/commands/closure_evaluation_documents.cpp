@@ -144,7 +144,7 @@ std::string full_precision_note(const ClosureEvaluation& e) {
   return "; full precision is not reached at any threshold";
 }
 
-ReportTable curve_table(const ClosureEvaluation& e, const ClosureEvaluationOptions& options) {
+PageTable curve_table(const ClosureEvaluation& e, const ClosureEvaluationOptions& options) {
   const auto row = [](const std::string& name, const PrecisionRecall& curve) {
     return std::vector<std::string>{name, std::to_string(curve.references),
                                     text(curve.average_precision),
@@ -161,7 +161,7 @@ ReportTable curve_table(const ClosureEvaluation& e, const ClosureEvaluationOptio
            row("with right pose", e.with_right_pose)}};
 }
 
-ReportTable detection_table(const ClosureEvaluation& e, const ClosureEvaluationOptions& options) {
+PageTable detection_table(const ClosureEvaluation& e, const ClosureEvaluationOptions& options) {
   const auto row = [](const std::string& name, const DetectionCounts& c) {
     return std::vector<std::string>{name,
                                     std::to_string(c.true_positives),
@@ -179,11 +179,11 @@ ReportTable detection_table(const ClosureEvaluation& e, const ClosureEvaluationO
           {row("detector", e.at_threshold), row("final graph", e.final_graph)}};
 }
 
-ReportTable direction_table(const ClosureEvaluation& e) {
-  ReportTable table{"By direction of travel",
-                    "reference closures and how many of them were found",
-                    {"direction", "references", "detector", "final graph"},
-                    {}};
+PageTable direction_table(const ClosureEvaluation& e) {
+  PageTable table{"By direction of travel",
+                  "reference closures and how many of them were found",
+                  {"direction", "references", "detector", "final graph"},
+                  {}};
   for (const TravelDirection d : kDirections) {
     const DirectionCounts c = count(e, d, -1.0);
     if (c.references == 0) continue;
@@ -193,8 +193,8 @@ ReportTable direction_table(const ClosureEvaluation& e) {
   return table;
 }
 
-ReportTable alignment_table(const ClosureEvaluation& e) {
-  ReportTable table{
+PageTable alignment_table(const ClosureEvaluation& e) {
+  PageTable table{
       "Alignment",
       "of true closures; at origins the drift inside the maps is included; proxy: ICP of the "
       "session's maps from ground truth; overlap error " +
@@ -247,11 +247,11 @@ Json closure_evaluation_json(const ClosureEvaluation& e, const ClosureEvaluation
           {"judged", judged_json(e)}};
 }
 
-std::vector<ReportTable> closure_evaluation_tables(const ClosureEvaluation& e,
-                                                   const ClosureEvaluationOptions& options) {
-  std::vector<ReportTable> tables{curve_table(e, options), detection_table(e, options),
-                                  direction_table(e), alignment_table(e)};
-  std::erase_if(tables, [](const ReportTable& t) { return t.rows.empty(); });
+std::vector<PageTable> closure_evaluation_tables(const ClosureEvaluation& e,
+                                                 const ClosureEvaluationOptions& options) {
+  std::vector<PageTable> tables{curve_table(e, options), detection_table(e, options),
+                                direction_table(e), alignment_table(e)};
+  std::erase_if(tables, [](const PageTable& t) { return t.rows.empty(); });
   return tables;
 }
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/report/report.hpp"
+#include "apps/report/html_page.hpp"
 #include "loopclosure/evaluation/evaluation.hpp"
 
 namespace groundloop::apps {
@@ -16,7 +16,7 @@ namespace groundloop::apps {
     const ClosureEvaluation& evaluation, const ClosureEvaluationOptions& options,
     const std::vector<std::string>& notes);
 
-[[nodiscard]] std::vector<ReportTable> closure_evaluation_tables(
+[[nodiscard]] std::vector<PageTable> closure_evaluation_tables(
     const ClosureEvaluation& evaluation, const ClosureEvaluationOptions& options);
 
 }  // namespace groundloop::apps

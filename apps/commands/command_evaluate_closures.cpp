@@ -43,7 +43,7 @@ std::vector<PairOverlap> overlaps(const Arguments& arguments,
   return pairs;
 }
 
-void print(const ReportTable& table) {
+void print(const PageTable& table) {
   std::printf("%s: %s\n", table.title.c_str(), table.note.c_str());
   const auto line = [](const std::vector<std::string>& cells) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -56,14 +56,23 @@ void print(const ReportTable& table) {
 }
 
 void write_page(const Arguments& arguments, const ClosureEvaluation& evaluation,
-                const std::vector<ReportTable>& tables) {
-  ReportInput page;
+                const std::vector<PageTable>& tables) {
+  Page page;
   page.title = "Closures of " + SessionFolder(arguments.sessions.front()).name();
   page.tables = tables;
-  for (const auto& p : evaluation.detector.curve) {
-    page.precision_recall.push_back({static_cast<int>(p.threshold), p.precision, p.recall});
+  PagePlot plot{"Precision and recall of the detector", "", "least score", "share", true, {}};
+  std::vector<double> thresholds;
+  std::vector<double> precision;
+  std::vector<double> recall;
+  for (const PrecisionRecallPoint& p : evaluation.detector.curve) {
+    thresholds.push_back(p.threshold);
+    precision.push_back(p.precision);
+    recall.push_back(p.recall);
   }
-  write_text_atomically(arguments.report, make_report(page));
+  plot.series = {{"precision", "after", thresholds, precision},
+                 {"recall", "before", thresholds, recall}};
+  page.json["plots"] = {to_json(plot)};
+  write_text_atomically(arguments.report, make_page(std::move(page)));
 }
 
 void run(Arguments& arguments, const Context& context) {
@@ -95,13 +104,13 @@ void run(Arguments& arguments, const Context& context) {
                               " reported pairs are not eligible and were left out");
   }
   for (const std::string& note : evaluated.notes) spdlog::warn("{}", note);
-  const std::vector<ReportTable> tables = closure_evaluation_tables(evaluation, options);
+  const std::vector<PageTable> tables = closure_evaluation_tables(evaluation, options);
   if (!arguments.report.empty()) write_page(arguments, evaluation, tables);
   if (arguments.json) {
     std::printf("%s\n",
                 closure_evaluation_json(evaluation, options, evaluated.notes).dump(2).c_str());
   } else {
-    for (const ReportTable& table : tables) print(table);
+    for (const PageTable& table : tables) print(table);
   }
 }
 

@@ -23,6 +23,7 @@ void add_demo_command(CLI::App& app, Context& context);
 void add_export_command(CLI::App& app, Context& context);
 void add_merge_command(CLI::App& app, Context& context);
 void add_match_command(CLI::App& app, Context& context);
+void add_report_command(CLI::App& app, Context& context);
 void add_benchmark_command(CLI::App& app, Context& context);
 void add_config_command(CLI::App& app, Context& context);
 /// The group `evaluate`, on which its subcommands hang.

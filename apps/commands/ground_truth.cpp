@@ -1,6 +1,7 @@
 #include "apps/commands/ground_truth.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <spdlog/spdlog.h>
 
@@ -10,6 +11,7 @@
 #include "frontend/recordings/ground_truth.hpp"
 #include "frontend/recordings/kitti.hpp"
 #include "frontend/recordings/source_tools.hpp"
+#include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop::apps {
 namespace fs = std::filesystem;
@@ -163,6 +165,19 @@ GroundTruth own_ground_truth(const Recording& recording) {
     truth.poses.clear();
   }
   return truth;
+}
+
+GroundTruth ground_truth_of(const SessionPart& part, const fs::path& file,
+                            const std::string& truth_frame) {
+  std::unique_ptr<Recording> recording;
+  try {
+    recording = open_any_recording(part.recording);
+  } catch (const InputError& e) {
+    spdlog::debug("no ground truth from '{}': {}", part.name, e.what());
+  }
+  if (file.empty()) return recording ? own_ground_truth(*recording) : GroundTruth();
+  return recording ? read_ground_truth(file, truth_frame, *recording)
+                   : read_ground_truth(file, truth_frame);
 }
 
 JudgedTruth judge_ground_truth(const GroundTruth& truth, const Trajectory& odometry) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/evaluation/truth_frame.hpp"
+#include "backend/session/stored_session.hpp"
 #include "frontend/recordings/recording.hpp"
 
 namespace groundloop::apps {
@@ -44,6 +45,12 @@ struct JudgedTruth {
 /// What came with the recording: in the sensor's frame, as its reader knows it. One whose stamps do
 /// not fit is left out with a warning.
 [[nodiscard]] GroundTruth own_ground_truth(const Recording& recording);
+
+/// Of a recording of a session: what `file` holds or, where that is empty, what came with the
+/// recording; nothing where the recording is not to be had any more.
+[[nodiscard]] GroundTruth ground_truth_of(const SessionPart& part,
+                                          const std::filesystem::path& file,
+                                          const std::string& truth_frame);
 
 /// Judges frame and instant against the sensor's odometry.
 [[nodiscard]] JudgedTruth judge_ground_truth(const GroundTruth& truth, const Trajectory& odometry);

@@ -9,6 +9,7 @@
 #include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/merge_documents.hpp"
+#include "apps/report/session_report.hpp"
 #include "backend/map/map_assembly.hpp"
 #include "backend/session/session_graph.hpp"
 #include "backend/session/session_output.hpp"
@@ -17,7 +18,6 @@
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/core/output_file.hpp"
-#include "frontend/simulation/open_any_recording.hpp"
 #include "loopclosure/loop_database.hpp"
 
 namespace groundloop::apps {
@@ -136,29 +136,17 @@ class KeptMatches {
   std::size_t next_ = 0;
 };
 
-// What came with the recording, or the file that was named; empty where neither can be read.
-GroundTruth ground_truth_of(const SessionPart& part, const MergeRequest& request) {
-  std::unique_ptr<Recording> recording;
-  try {
-    recording = open_any_recording(part.recording);
-  } catch (const InputError& e) {
-    spdlog::debug("no ground truth from '{}': {}", part.name, e.what());
-  }
-  const auto file = request.ground_truth.find(part.name);
-  if (file == request.ground_truth.end())
-    return recording ? own_ground_truth(*recording) : GroundTruth();
-  return recording ? read_ground_truth(file->second, "", *recording)
-                   : read_ground_truth(file->second, "");
-}
-
 // Of every recording, read before the work begins. Throws InputError where a file that was named
 // cannot be used.
 std::map<std::string, GroundTruth> read_ground_truths(const MergeRequest& request,
                                                       const std::vector<StoredSession>& sessions) {
   std::map<std::string, GroundTruth> truths;
   for (const StoredSession& session : sessions) {
-    for (const SessionPart& part : session.parts)
-      truths[part.name] = ground_truth_of(part, request);
+    for (const SessionPart& part : session.parts) {
+      const auto file = request.ground_truth.find(part.name);
+      truths[part.name] =
+          ground_truth_of(part, file == request.ground_truth.end() ? fs::path() : file->second, "");
+    }
   }
   for (const auto& [name, file] : request.ground_truth) {
     if (truths.count(name) == 0)
@@ -324,13 +312,17 @@ void merge_recordings(const MergeRequest& request, Context& context) {
     const double map_seconds = seconds_since(map_start);
     end_progress();
     const MergeEvaluation evaluation = evaluate_merge(result, judged_truths(result, truths));
-    write_text_atomically(out.file("report.html"),
-                          merge_report(result, evaluation, left_out, request.config));
     write_text_atomically(out.file("run.log"), log_text(result, left_out));
     write_text_atomically(
         out.file("metrics.json"),
         merge_metrics(result, evaluation, map_seconds, seconds_since(start)).dump(2) + "\n");
-    output.complete(merge_manifest(out, result, sessions, left_out));
+    Manifest manifest = merge_manifest(out, result, sessions, left_out);
+    manifest.identity = identity;
+    const SessionContents contents =
+        read_session_contents(out, SessionFolder(request.out).name(), manifest, request.config);
+    write_text_atomically(out.file("report.html"),
+                          make_session_report(contents, evaluation.ground_truth));
+    output.complete(manifest);
     warn_of_parts_apart(result);
     log_evaluation(result, evaluation);
   } catch (...) {

@@ -10,8 +10,8 @@
 
 #include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
-#include "apps/report/run_report.hpp"
 #include "apps/report/session_documents.hpp"
+#include "apps/report/session_report.hpp"
 #include "backend/map/map_assembly.hpp"
 #include "backend/mapping/checkpoint.hpp"
 #include "backend/session/manifest.hpp"
@@ -147,8 +147,9 @@ void check_room(const fs::path& folder, std::size_t scans) {
 }
 
 Manifest manifest_of(const SessionFolder& session, const Recording& recording,
-                     const SlamResult& result) {
+                     const SlamResult& result, const SessionIdentity& identity) {
   Manifest manifest;
+  manifest.identity = identity;
   manifest.recording = recording_document(recording.info(), recording.size());
   manifest.sensor = recording.info().sensor;
   manifest.scans = result.odometry.size();
@@ -165,10 +166,14 @@ void finish(SessionOutput& output, const Recording& recording, const RunRequest&
   const std::optional<RunEvaluation> evaluation = evaluate(result, ground_truth);
   write_text_atomically(session.file("metrics.json"),
                         metrics_document(result, evaluation).dump(2) + "\n");
-  write_text_atomically(session.file("report.html"),
-                        make_run_report(recording, request.config, result, evaluation, session));
+  const Manifest manifest = manifest_of(session, recording, result, output.identity());
+  const SessionContents contents =
+      read_session_contents(session, SessionFolder(request.out).name(), manifest, request.config);
+  write_text_atomically(
+      session.file("report.html"),
+      make_session_report(contents, {evaluation ? evaluation->ground_truth : Trajectory()}));
   log_summary(result, evaluation);
-  output.complete(manifest_of(session, recording, result));
+  output.complete(manifest);
   spdlog::info("report: {}", (request.out / "report.html").string());
 }
 

@@ -5,6 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "apps/report/joint_evaluation.hpp"
 #include "apps/report/session_documents.hpp"
 #include "apps/report/trajectory_evaluation_json.hpp"
 #include "frontend/core/error.hpp"
@@ -28,25 +29,6 @@ std::vector<std::optional<Pose>> true_poses(const MergedPart& part, const Trajec
   std::vector<std::optional<Pose>> poses;
   for (const LocalMapRecord& map : part.maps) poses.push_back(by_scan[map.first_scan]);
   return poses;
-}
-
-// The poses of a recording that have ground truth, with stamps that no other recording has.
-void append_pairs(const MergedPart& part, const Trajectory& truth, const TrajectoryEvaluation& e,
-                  Trajectory& estimates, Trajectory& truths) {
-  constexpr Nanoseconds kApart = 1'000'000'000;
-  for (const auto& [scan, row] : e.pairs) {
-    const Nanoseconds stamp = static_cast<Nanoseconds>(estimates.size()) * kApart;
-    estimates.push_back({stamp, part.trajectory[scan].pose});
-    truths.push_back({stamp, truth[row].pose});
-  }
-}
-
-TrajectoryEvaluation by_alignment(const Alignment& alignment, Trajectory estimates,
-                                  const Trajectory& truths) {
-  for (StampedPose& p : estimates) p.pose = alignment.pose * p.pose;
-  TrajectoryEvaluationOptions options;
-  options.alignment = "none";
-  return evaluate_trajectory(estimates, truths, options);
 }
 
 void add_closure_errors(const MergeResult& result, MergeEvaluation& evaluation) {
@@ -133,8 +115,7 @@ MergeEvaluation evaluate_merge(const MergeResult& result, std::vector<Trajectory
   evaluation.odometry.resize(n);
   evaluation.optimised.resize(n);
   evaluation.by_reference.resize(n);
-  Trajectory all;
-  Trajectory all_truths;
+  JointPoses all;
   bool whole = true;
   for (std::size_t p = 0; p < n; ++p) {
     const MergedPart& part = result.parts[p];
@@ -151,19 +132,17 @@ MergeEvaluation evaluate_merge(const MergeResult& result, std::vector<Trajectory
       continue;
     }
     if (part.frame == result.parts.front().frame)
-      append_pairs(part, truth, *evaluation.optimised[p], all, all_truths);
+      all.add(part.trajectory, truth, evaluation.optimised[p]->pairs);
   }
   for (std::size_t p = 0; p < n; ++p) {
     const auto& reference = evaluation.optimised[result.parts[p].frame];
     if (!evaluation.optimised[p] || !reference || result.parts[p].frame == static_cast<int>(p))
       continue;
-    Trajectory estimates;
-    Trajectory truths;
-    append_pairs(result.parts[p], evaluation.ground_truth[p], *evaluation.optimised[p], estimates,
-                 truths);
-    evaluation.by_reference[p] = by_alignment(reference->alignment, std::move(estimates), truths);
+    JointPoses own;
+    own.add(result.parts[p].trajectory, evaluation.ground_truth[p], evaluation.optimised[p]->pairs);
+    evaluation.by_reference[p] = own.evaluate(reference->alignment);
   }
-  if (whole && !all.empty()) evaluation.joint = evaluate_trajectory(all, all_truths);
+  if (whole && !all.empty()) evaluation.joint = all.evaluate();
   add_closure_errors(result, evaluation);
   return evaluation;
 }

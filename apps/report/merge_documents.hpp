@@ -1,4 +1,4 @@
-// The documents of a merged session: manifest.json, metrics.json and report.html.
+// The documents of a merged session: manifest.json and metrics.json.
 #pragma once
 
 #include <optional>
@@ -40,9 +40,5 @@ struct MergeEvaluation {
 [[nodiscard]] nlohmann::ordered_json merge_metrics(const MergeResult& result,
                                                    const MergeEvaluation& evaluation,
                                                    double map_seconds, double total_seconds);
-
-[[nodiscard]] std::string merge_report(const MergeResult& result, const MergeEvaluation& evaluation,
-                                       const std::vector<ManifestLeftOut>& left_out,
-                                       const Config& config);
 
 }  // namespace groundloop::apps

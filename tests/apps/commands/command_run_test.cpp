@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frontend/core/files.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -255,6 +256,21 @@ TEST(Run, LeavesTheWholeSession) {
   for (const auto& entry : fs::recursive_directory_iterator(folder / "out")) {
     EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
   }
+}
+
+TEST(Report, IsTheSamePageWhetherTheRunMakesItOrTheSessionIsReadBack) {
+  const TemporaryFolder folder;
+  const KittiFolder kitti(folder / "recording");
+  const std::string session = (folder / "out").string();
+  ASSERT_EQ(run_command({"run", (folder / "recording").string(), "--out", session}).exit_code, 0);
+  const auto again = run_command({"report", session, "--out", (folder / "again.html").string()});
+  ASSERT_EQ(again.exit_code, 0) << again.standard_error;
+  EXPECT_EQ(read_text(folder / "again.html"), read_text(folder / "out" / "report.html"));
+}
+
+TEST(Report, OfWhatIsNoSessionNamesTheFileAndTheRemedy) {
+  const TemporaryFolder folder;
+  testing::expect_input_error(run_command({"report", folder.path().string()}), {"manifest.json"});
 }
 
 TEST(Config, PrintsWhatItReadsBack) {

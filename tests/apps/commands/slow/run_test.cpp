@@ -95,15 +95,8 @@ TEST(RealDrive, ClosesItsLoopsAndNoOthers) {
     EXPECT_LT(errors.rotation, 3.0 * M_PI / 180.0) << c.reference_map << " - " << c.query_map;
   }
   EXPECT_GT(accepted, 5);
-  // Each closure pictured in the report has three density images; at most eight have, in 1 MB.
-  const std::string report = read_text(folder / "out" / "report.html");
-  std::size_t pictures = 0;
-  for (std::size_t at = report.find("data:image/png"); at != std::string::npos;
-       at = report.find("data:image/png", at + 1)) {
-    ++pictures;
-  }
-  EXPECT_EQ(pictures, 3U * static_cast<std::size_t>(std::min(accepted, 8)));
-  EXPECT_LT(report.size(), 3U << 20);
+  // A million points and all of its closures in under 15 MB.
+  EXPECT_LT(read_text(folder / "out" / "report.html").size(), 15U << 20);
   const auto metrics = nlohmann::json::parse(read_text(folder / "out" / "metrics.json"));
   const double odometry = metrics["ape"]["odometry"]["translation_m"]["rmse"];
   const double optimised = metrics["ape"]["optimised"]["translation_m"]["rmse"];
