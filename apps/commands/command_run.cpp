@@ -3,6 +3,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/commands/reading_options.hpp"
 #include "apps/commands/run.hpp"
+#include "apps/commands/validators.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -40,8 +41,10 @@ void add_run_command(CLI::App& app, Context& context) {
   command->add_option("--truth-frame", request.truth_frame,
                       "what the poses of the ground truth are of: sensor, camera (by calib.txt), "
                       "or a file with T_truth_sensor as a 4x4 matrix");
-  command->add_option("--first", request.reading.first, "number of the first scan to use, from 0");
-  command->add_option("--count", request.reading.count, "number of scans to use");
+  command->add_option("--first", request.reading.first, "number of the first scan to use, from 0")
+      ->check(whole_number());
+  command->add_option("--count", request.reading.count, "number of scans to use")
+      ->check(whole_number());
   command->add_flag("--resume", request.resume, "go on with the unfinished session in the folder");
   command->add_flag("--overwrite", request.overwrite,
                     "replace the session in the folder, once the new one is complete");

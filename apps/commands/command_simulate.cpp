@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/validators.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/simulation/layouts/layout_writer.hpp"
 #include "frontend/simulation/open_any_recording.hpp"
@@ -59,8 +60,10 @@ void add_simulate_command(CLI::App& app, Context&) {
                    "record of helipr: Ouster, Velodyne, Avia or Aeva (default: the one most like "
                    "the simulated sensor)")
       ->check(CLI::IsMember({"Ouster", "Velodyne", "Avia", "Aeva"}));
-  command->add_option("--first", arguments->options.first, "first scan to write");
-  command->add_option("--count", arguments->options.count, "scans to write at most");
+  command->add_option("--first", arguments->options.first, "first scan to write")
+      ->check(whole_number());
+  command->add_option("--count", arguments->options.count, "scans to write at most")
+      ->check(whole_number());
   command->callback([arguments] { run(*arguments); });
 }
 

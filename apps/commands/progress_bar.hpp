@@ -13,7 +13,8 @@ namespace groundloop::apps {
 /// Ends the bar's line, before anything else is printed.
 void end_progress();
 
-/// Ctrl-C and SIGTERM stop the work at its next report instead of killing it.
+/// Ctrl-C, SIGTERM and a terminal that closes stop the work at its next report instead of killing
+/// it.
 void stop_on_signals();
 
 }  // namespace groundloop::apps

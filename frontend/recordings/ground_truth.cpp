@@ -43,7 +43,8 @@ NumberTable read_numbers(const fs::path& file, bool nan_allowed) {
       if (nan_allowed && (word == "nan" || word == "NaN" || word == "-nan")) {
         has_nan = true;
       } else if (!parse_double(word, value)) {
-        if (table.rows.empty() && row.empty()) break;  // a heading
+        const bool heading = word.find_first_of("0123456789+-.") != 0;
+        if (heading && table.rows.empty() && row.empty()) break;
         throw InputError(file.string() + ":" + std::to_string(number) + ": '" + std::string(word) +
                          "' is no finite number");
       }

@@ -157,6 +157,8 @@ INSTANTIATE_TEST_SUITE_P(
               kNothing,
               {"--config", "/nonexistent.yaml"},
               {"/nonexistent.yaml"}},
+        Fault{"NegativeCount", kNothing, {"--count", "-5"}, {"--count", "-5"}},
+        Fault{"NegativeFirst", kNothing, {"--first", "-1"}, {"--first", "-1"}},
         Fault{"UnknownFormat", kNothing, {"--format", "kity"}, {"kity"}},
         Fault{"ResumeWithoutAnInterruptedRun", kNothing, {"--resume"}, {"no interrupted session"}}),
     [](const auto& fault) { return std::string(fault.param.name); });
