@@ -45,6 +45,11 @@ class ScanProcessing {
       if (!state_.finder.maps().empty()) save();
       throw;
     }
+    if (!state_.odometry.started()) {
+      throw InputError(recording_.info().path + ": none of " + std::to_string(recording_.size()) +
+                       " scans has enough points within range to be registered; check the sensor, "
+                       "odometry.min_range, odometry.max_range and odometry.min_points");
+    }
     mapping_.finish();
     if (const std::optional<LocalMap> last = state_.builder.finish()) state_.finder.add(*last);
     state_.scans_finished = true;

@@ -24,7 +24,7 @@ using VoxelKey = std::uint64_t;
           floor_to_int(p.z() * inverse_size)};
 }
 
-/// 21 bits a coordinate: unique within +-1 048 576 voxels of the origin.
+/// 21 bits a coordinate: unique within any 2 097 152 voxels along an axis; farther ones share keys.
 [[nodiscard]] inline VoxelKey voxel_key(const Eigen::Vector3i& v) {
   constexpr int kOffset = 1 << 20;
   constexpr std::uint64_t kMask = (1ULL << 21) - 1;
@@ -37,6 +37,14 @@ using VoxelKey = std::uint64_t;
   constexpr std::uint64_t kMask = (1ULL << 21) - 1;
   const auto part = [&](int shift) { return static_cast<int>((key >> shift) & kMask) - kOffset; };
   return {part(0), part(21), part(42)};
+}
+
+/// Steps from voxel b to voxel a, right also where the keys of far voxels have wrapped around.
+[[nodiscard]] inline Eigen::Vector3i voxel_step(VoxelKey a, VoxelKey b) {
+  constexpr int kOffset = 1 << 20, kMask = (1 << 21) - 1;
+  const Eigen::Vector3i d = voxel_from_key(a) - voxel_from_key(b);
+  const auto wrap = [](int c) { return ((c + kOffset) & kMask) - kOffset; };
+  return {wrap(d.x()), wrap(d.y()), wrap(d.z())};
 }
 
 class VoxelTable {

@@ -9,16 +9,17 @@
 #include <spdlog/spdlog.h>
 
 #include "frontend/core/binary_io.hpp"
-#include "frontend/core/error.hpp"
 #include "frontend/odometry/scan_registration.hpp"
 
 namespace groundloop {
 namespace {
 
 // Voxels out of range are dropped once the sensor has moved this far since the last time.
-constexpr float kPruneDistance = 5.0F;
-// Update (m, rad) that ends the coarse registration: the fine one goes on from there.
-constexpr double kCoarseConvergence = 1e-2;
+constexpr double kPruneDistance = 5.0;
+// Updates that end the coarse registration, m and rad: the fine one goes on from there.
+constexpr double kCoarseTranslation = 1e-2, kCoarseRotation = 1e-3;
+// Neighbours are searched no farther than two voxels; a wider kernel has nothing more to weigh.
+constexpr double kCoarseVoxels = 2.0;
 // Share of a scan in the running mean of how many voxels scans fill.
 constexpr double kUsualGain = 0.05;
 // Scans that a sensor is taken to swing on for after its velocity changed: it rests at the turning
@@ -28,7 +29,7 @@ constexpr int kSwingScans = 20;
 // The motion follows from the pose, the pose from points deskewed by it.
 constexpr int kSwingRounds = 2;
 
-double square(double v) { return v * v; }
+double radians(double degrees) { return degrees * M_PI / 180.0; }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -39,8 +40,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 Odometry::Odometry(const OdometryOptions& options)
     : options_(options),
       map_(static_cast<float>(options.voxel_size)),
-      deviation_sum_(square(options.initial_threshold)),
-      deviation_count_(1) {}
+      search_({options.search_scale, radians(options.search_turn_deg), options.search_poor},
+              options.voxel_size),
+      threshold_(options.initial_threshold, options.min_motion) {}
 
 Odometry::Sweep Odometry::sweep_of(const Scan& scan) {
   if (scan.times.empty()) return {};
@@ -49,11 +51,13 @@ Odometry::Sweep Odometry::sweep_of(const Scan& scan) {
   return {0.5 * (first + last), 0.5 * (last - first)};
 }
 
-double Odometry::threshold() const {
-  return std::sqrt(deviation_sum_ / static_cast<double>(deviation_count_));
+std::size_t Odometry::points_within_range(const Scan& scan) const {
+  return deskew_and_crop(scan, {}, 0.0, options_.min_range, options_.max_range).size();
 }
 
 void Odometry::start(const Scan& first, const Scan& second) {
+  const auto enough = static_cast<std::size_t>(options_.min_points);
+  if (points_within_range(first) < enough || points_within_range(second) < enough) return;
   Odometry trial(options_);
   // Two rounds: the velocity that the first finds deskews the second.
   for (int round = 0; round < 2; ++round) {
@@ -83,13 +87,8 @@ bool Odometry::blocked(std::size_t voxels) {
 // Adapts the threshold to how far the prediction was off.
 void Odometry::learn_deviation(const Pose& guess, const Pose& registered) {
   const Pose deviation = guess.inverse() * registered;
-  const double model_error =
-      deviation.translation.norm() +
-      2.0 * options_.max_range * std::sin(0.5 * rotation_angle(deviation.rotation));
-  if (model_error > options_.min_motion) {
-    deviation_sum_ += square(model_error);
-    ++deviation_count_;
-  }
+  threshold_.learn(deviation.translation.norm() +
+                   2.0 * options_.max_range * std::sin(0.5 * rotation_angle(deviation.rotation)));
 }
 
 Odometry::DeskewedScan Odometry::deskew(const Scan& scan, const SensorMotion& motion,
@@ -102,7 +101,11 @@ Odometry::DeskewedScan Odometry::deskew(const Scan& scan, const SensorMotion& mo
 
 RegistrationKernel Odometry::coarse_kernel() const {
   const double along = options_.point_to_point ? 1.0 : options_.along_plane_weight;
-  return {threshold(), along, 1.0, std::max(options_.convergence, kCoarseConvergence),
+  return {std::min(threshold_.value(), kCoarseVoxels * options_.voxel_size),
+          along,
+          1.0,
+          std::max(options_.stop_translation, kCoarseTranslation),
+          std::max(radians(options_.stop_rotation_deg), kCoarseRotation),
           options_.max_iterations};
 }
 
@@ -111,13 +114,14 @@ RegistrationKernel Odometry::fine_kernel() const {
   RegistrationKernel kernel = coarse_kernel();
   kernel.sigma = std::min(kernel.sigma, options_.fine_threshold * voxel);
   if (!options_.point_to_point) kernel.scatter_weight = options_.scatter_weight;
-  kernel.convergence = options_.convergence;
+  kernel.stop_translation = options_.stop_translation;
+  kernel.stop_rotation = radians(options_.stop_rotation_deg);
   return kernel;
 }
 
 bool Odometry::swings(const Sweep& sweep, const Vector6d& velocity) {
   const double departure = (velocity - twist_).tail<3>().norm() * sweep.half;
-  if (departure > options_.swing_deg * M_PI / 180.0) {
+  if (departure > radians(options_.swing_deg)) {
     swinging_ = kSwingScans;
   } else if (swinging_ > 0) {
     --swinging_;
@@ -138,7 +142,7 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
   const auto voxel = static_cast<float>(options_.voxel_size);
   source.points =
       downsampler_(downsampler_(deskewed.points, 0.5F * voxel, source.times), voxel, source.times);
-  const TurningRegistration turning = register_turning_scan(map_, source, pose, fine_kernel());
+  const ScanRegistration turning = register_scan(map_, source, pose, fine_kernel());
 
   const Eigen::Vector3d turn_rate = twist_.tail<3>() + turning.turn / sweep.half;
   SensorMotion motion;
@@ -152,7 +156,8 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
       motion.velocity.tail<3>() = turn_rate;
     }
     deskewed = deskew(scan, motion, sweep.middle);
-    pose = register_scan(map_, downsampler_(deskewed.map_points, voxel), pose, fine_kernel()).pose;
+    const SweepPoints rigid{downsampler_(deskewed.map_points, voxel), {}};
+    pose = register_scan(map_, rigid, pose, fine_kernel()).pose;
   }
   turn_rate_ = turn_rate;
   return motion;
@@ -160,27 +165,54 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
 
 void Odometry::insert(const Points& map_points) {
   map_.insert(map_points, T_world_middle_);
-  const Eigen::Vector3f position = T_world_middle_.translation.cast<float>();
-  if ((position - pruned_at_).norm() > kPruneDistance) {
-    map_.remove_beyond(position, static_cast<float>(options_.max_range));
-    pruned_at_ = position;
-  }
+  if (searches()) search_.insert(map_points, T_world_middle_);
+  const Eigen::Vector3d& position = T_world_middle_.translation;
+  if ((position - pruned_at_).norm() <= kPruneDistance) return;
+  const auto distance = static_cast<float>(options_.max_range);
+  map_.remove_beyond(position, distance);
+  search_.remove_beyond(position, distance);
+  pruned_at_ = position;
 }
 
-RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep, std::size_t voxels,
-                                   const std::string& name) {
+RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep) {
+  ++predicted_scans_;
+  turn_rate_.reset();
+  T_world_middle_ = guess;
+  RegisteredScan result;
+  result.predicted = true;
+  result.T_world_scan = guess * exp_se3(-sweep.middle * twist_);
+  return result;
+}
+
+bool Odometry::poor(std::size_t points, std::size_t voxels, const std::string& name) {
+  // A sensor that swung a moment ago sees little where it looks at the ground or the sky, and its
+  // velocity says nothing of the next scans.
+  const bool predictable = swinging_ < kSwingScans / 2;
+  const bool few = points < static_cast<std::size_t>(options_.min_points);
+  if (few && few_++ == 0) {
+    spdlog::warn(
+        "{}: only {} points between {} and {} m, at least {} are needed to register a scan; its "
+        "pose is predicted from the velocity",
+        name, points, options_.min_range, options_.max_range, options_.min_points);
+  }
+  if (few) return true;
+  few_ = 0;
+  if (!predictable || !blocked(voxels)) return false;
   if (blocked_ == 1) {
     spdlog::warn(
         "{}: the view is blocked ({} voxels filled, {:.0f} are usual); its pose is "
         "predicted from the velocity",
         name, voxels, usual_voxels_);
   }
-  ++predicted_scans_;
-  turn_rate_.reset();
-  T_world_middle_ = guess;
-  RegisteredScan result;
-  result.T_world_scan = guess * exp_se3(-sweep.middle * twist_);
-  return result;
+  return true;
+}
+
+Pose Odometry::start_of_registration(const Points& source, const Points& map_points,
+                                     const Pose& guess) {
+  if (!searches()) return guess;
+  return search_.find(map_, source, map_points,
+                      {guess, T_world_middle_ * exp_se3(last_step_), T_world_middle_},
+                      T_world_middle_, coarse_kernel());
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
@@ -188,49 +220,44 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   const Sweep sweep = sweep_of(scan);
   const Nanoseconds middle_stamp =
       scan.stamp + static_cast<Nanoseconds>(std::llround(sweep.middle * 1e9));
-
-  DeskewedScan deskewed = deskew(scan, {twist_}, sweep.middle);
-  if (deskewed.points.size() < static_cast<std::size_t>(options_.min_points)) {
-    throw InputError(name + ": only " + std::to_string(deskewed.points.size()) +
-                     " points between " + std::to_string(options_.min_range) + " and " +
-                     std::to_string(options_.max_range) + " m, at least " +
-                     std::to_string(options_.min_points) +
-                     " are needed to register a scan; check the sensor, the range limits, or leave "
-                     "the scan out with "
-                     "--first and --count");
-  }
-  const auto voxel = static_cast<float>(options_.voxel_size);
-  const Points source = downsampler_(deskewed.map_points, 1.5F * voxel);
-
   const double step = static_cast<double>(middle_stamp - middle_stamp_) * 1e-9;
   // Across a gap, or where stamps do not advance, the velocity says little.
   const double trusted_step = scans_ == 0 ? 0.0 : std::clamp(step, 0.0, options_.max_gap);
   const bool followed = scans_ > 0 && step > 0.0 && step <= options_.max_gap;
   const Pose guess = T_world_middle_ * exp_se3(trusted_step * twist_);
   middle_stamp_ = middle_stamp;
-  // A sensor that swung a moment ago sees little where it looks at the ground or the sky, and its
-  // velocity says nothing of the next scans.
-  const bool predictable = swinging_ < kSwingScans / 2;
-  if (predictable && blocked(source.size())) {
-    ++scans_;
-    RegisteredScan result = predicted(guess, sweep, source.size(), name);
+
+  DeskewedScan deskewed = deskew(scan, {twist_}, sweep.middle);
+  const auto voxel = static_cast<float>(options_.voxel_size);
+  const SweepPoints source{downsampler_(deskewed.map_points, 1.5F * voxel), {}};
+  if (poor(deskewed.points.size(), source.points.size(), name)) {
+    if (scans_ > 0) ++scans_;
+    RegisteredScan result = predicted(guess, sweep);
     result.seconds = seconds_since(start);
     return result;
   }
-  const ScanRegistration coarse = register_scan(map_, source, guess, coarse_kernel());
-  const Points fine_source = downsampler_(deskewed.map_points, voxel);
-  const ScanRegistration fine = register_scan(map_, fine_source, coarse.pose, fine_kernel());
+  const Pose begin = start_of_registration(source.points, deskewed.map_points, guess);
+  const ScanRegistration coarse = register_scan(map_, source, begin, coarse_kernel());
+  const SweepPoints fine_source{downsampler_(deskewed.map_points, voxel), {}};
+  const ScanRegistration fine = options_.second_registration
+                                    ? register_scan(map_, fine_source, coarse.pose, fine_kernel())
+                                    : coarse;
 
   Pose pose = fine.pose;
-  if (scans_ > 0) learn_deviation(guess, pose);
+  if (searches()) search_.learn(map_, source.points, pose);
+  // What a gap brings says nothing of the steps after it.
+  if (followed) learn_deviation(guess, pose);
+  last_step_ = scans_ > 0 ? log_se3(T_world_middle_.inverse() * pose) : Vector6d::Zero();
   SensorMotion motion{twist_};
   if (followed) {
-    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    motion.velocity = last_step_ / step;
     if (sweep.half > 0.0 && swings(sweep, motion.velocity)) {
       motion = measure_swing(scan, sweep, deskewed, step, pose);
     } else {
       turn_rate_.reset();
     }
+  } else if (scans_ > 0 && step > options_.max_gap) {
+    motion.velocity = last_step_ / step;
   }
   twist_ = motion.velocity;
   T_world_middle_ = pose;
@@ -246,8 +273,10 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     const PoseF T_scan_middle(T_middle_scan.inverse());
     for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
   }
-  result.registration_points = source.size() + fine_source.size();
+  result.registration_points = source.points.size() + fine_source.points.size();
   result.iterations = coarse.iterations + fine.iterations;
+  result.registration = fine;
+  result.deviation = guess.inverse() * pose;
   result.seconds = seconds_since(start);
   return result;
 }
@@ -260,14 +289,16 @@ void Odometry::save(std::ostream& out) const {
   put(out, turn_rate_.has_value());
   put(out, turn_rate_.value_or(Eigen::Vector3d::Zero()));
   put(out, swinging_);
-  put(out, deviation_sum_);
-  put(out, deviation_count_);
+  put(out, last_step_);
+  threshold_.save(out);
   put(out, scans_);
   put(out, usual_voxels_);
   put(out, blocked_);
+  put(out, few_);
   put(out, predicted_scans_);
   put(out, pruned_at_);
   map_.save(out);
+  search_.save(out);
 }
 
 void Odometry::load(std::istream& in) {
@@ -281,14 +312,16 @@ void Odometry::load(std::istream& in) {
   get(in, turn_rate);
   turn_rate_ = has_turn_rate ? std::optional(turn_rate) : std::nullopt;
   get(in, swinging_);
-  get(in, deviation_sum_);
-  get(in, deviation_count_);
+  get(in, last_step_);
+  threshold_.load(in);
   get(in, scans_);
   get(in, usual_voxels_);
   get(in, blocked_);
+  get(in, few_);
   get(in, predicted_scans_);
   get(in, pruned_at_);
   map_.load(in);
+  search_.load(in);
 }
 
 }  // namespace groundloop

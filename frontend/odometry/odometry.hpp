@@ -10,6 +10,9 @@
 // old one: half a degree to a degree off at the ends of a sweep. Such a scan is registered again
 // with its turn over the sweep as a further unknown, and deskewed by what was found.
 //
+// Where constant velocity does not lead, registration begins at another prediction or is led by a
+// wider map (pose_search.hpp); a scan that cannot be registered is predicted.
+//
 // Unlike KISS-ICP, which registers points to points, points are registered to the planes of the
 // map, and what has no plane counts little: the nearest neighbours of scan lines are scan lines,
 // and pull the pose along the ground and walls that they cross (16 beams without any noise: 1.4 %
@@ -24,6 +27,8 @@
 #include "frontend/core/options.hpp"
 #include "frontend/core/pose.hpp"
 #include "frontend/core/scan.hpp"
+#include "frontend/odometry/adaptive_threshold.hpp"
+#include "frontend/odometry/pose_search.hpp"
 #include "frontend/odometry/preprocessing.hpp"
 #include "frontend/odometry/scan_registration.hpp"
 #include "frontend/odometry/voxel_map.hpp"
@@ -37,7 +42,8 @@ struct OdometryOptions {
   double initial_threshold = 2.0;
   double min_motion = 0.1;
   int max_iterations = 500;
-  double convergence = 5e-4;
+  double stop_translation = 5e-4;
+  double stop_rotation_deg = 0.005;
   int min_points = 30;
   double max_gap = 1.0;
   bool point_to_point = false;
@@ -47,6 +53,10 @@ struct OdometryOptions {
   double blocked_share = 0.1;
   int max_blocked = 20;
   double swing_deg = 0.3;
+  bool second_registration = true;
+  double search_scale = 5.0;
+  double search_turn_deg = 8.0;
+  double search_poor = 1.3;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -61,10 +71,14 @@ struct OdometryOptions {
     field("min_motion", self.min_motion, Range{1e-4, 10.0}, "m",
           "smaller departures from the prediction do not adapt the threshold");
     field("max_iterations", self.max_iterations, Range{1, 10000}, "", "of one registration");
-    field("convergence", self.convergence, Range{1e-9, 1.0}, "",
-          "norm of the update (m, rad) that ends a registration");
+    field("stop_translation", self.stop_translation, Range{1e-9, 1.0}, "m",
+          "an update that moves the sensor by less, and turns it by less than stop_rotation_deg, "
+          "ends a registration");
+    field("stop_rotation_deg", self.stop_rotation_deg, Range{1e-9, 10.0}, "degrees",
+          "0.005 degrees are 4 mm at 50 m");
     field("min_points", self.min_points, Range{3, 100000}, "",
-          "points within range that a scan must have to be registered");
+          "points within range that a scan must have to be registered; the pose of one with fewer "
+          "is predicted");
     field("max_gap", self.max_gap, Range{0.01, 3600.0}, "s",
           "a longer step in time is a gap: the velocity is trusted for this long only");
     field("point_to_point", self.point_to_point, OnOff{}, "",
@@ -86,6 +100,16 @@ struct OdometryOptions {
         "swing_deg", self.swing_deg, Range{0.0, 180.0}, "degrees",
         "a turning rate that changes by more, from one scan to the next and over half a sweep, is "
         "that of a sensor that swings: its turn is measured within the sweep too");
+    field("second_registration", self.second_registration, OnOff{}, "",
+          "off, the first registration is the last, as in KISS-ICP");
+    field(
+        "search_scale", self.search_scale, Range{0.0, 100.0}, "voxel_size",
+        "voxels of the wide map that a scan is brought near by where no prediction fits; 0: begin "
+        "where constant velocity leads, as KISS-ICP");
+    field("search_turn_deg", self.search_turn_deg, Range{0.0, 90.0}, "degrees",
+          "turns of the last pose that are tried where the wide map does not do; 0: none");
+    field("search_poor", self.search_poor, Range{1.0, 100.0}, "",
+          "a start that is this many times as far from the map as registered scans is a poor one");
   }
 };
 
@@ -93,6 +117,9 @@ struct RegisteredScan {
   Pose T_world_scan;  ///< at the scan's stamp
   Points points;      ///< within range, deskewed to the stamp's instant, scan frame; none where the
                       ///< pose was predicted
+  bool predicted = false;         ///< not registered: few points, or a blocked view
+  ScanRegistration registration;  ///< the last of the scan: how well it went
+  Pose deviation;                 ///< from constant velocity: T_predicted_registered
   std::size_t registration_points = 0;
   int iterations = 0;
   double seconds = 0.0;  ///< busy time of this scan
@@ -107,11 +134,14 @@ class Odometry {
   /// stand still at first.
   void start(const Scan& first, const Scan& second);
 
-  /// Registers the next scan. Throws InputError where it has fewer than min_points points within
-  /// range; `name` stands for the scan in that message.
+  /// Registers the next scan. One with too few points (none, all NaN, fewer than min_points within
+  /// range) is predicted, with a warning for the first in a row; `name` stands for the scan there.
   RegisteredScan add(const Scan& scan, const std::string& name);
 
-  /// Scans whose view was blocked, and whose pose was predicted.
+  /// Whether any scan was registered so far, or began the map.
+  [[nodiscard]] bool started() const { return scans_ > 0; }
+
+  /// Scans that had too few points or a blocked view, and whose pose was predicted.
   [[nodiscard]] std::size_t predicted_scans() const { return predicted_scans_; }
 
   /// Exact state for a resumable session.
@@ -131,12 +161,16 @@ class Odometry {
     Points map_points;  // of those, what the map gets
   };
   [[nodiscard]] DeskewedScan deskew(const Scan& scan, const SensorMotion& motion, double middle);
-  [[nodiscard]] double threshold() const;
   [[nodiscard]] RegistrationKernel coarse_kernel() const;
   [[nodiscard]] RegistrationKernel fine_kernel() const;
+  [[nodiscard]] std::size_t points_within_range(const Scan& scan) const;
   [[nodiscard]] bool blocked(std::size_t voxels);
-  RegisteredScan predicted(const Pose& guess, const Sweep& sweep, std::size_t voxels,
-                           const std::string& name);
+  // Whether a scan of so many points, which fill so many voxels, cannot be registered.
+  [[nodiscard]] bool poor(std::size_t points, std::size_t voxels, const std::string& name);
+  RegisteredScan predicted(const Pose& guess, const Sweep& sweep);
+  [[nodiscard]] bool searches() const { return options_.search_scale > 0.0; }
+  [[nodiscard]] Pose start_of_registration(const Points& source, const Points& map_points,
+                                           const Pose& guess);
   void learn_deviation(const Pose& guess, const Pose& registered);
   // Whether the sensor swings, now that its mean velocity since the last scan is `velocity`.
   [[nodiscard]] bool swings(const Sweep& sweep, const Vector6d& velocity);
@@ -148,21 +182,23 @@ class Odometry {
 
   OdometryOptions options_;
   VoxelMap map_;
+  PoseSearch search_;
+  AdaptiveThreshold threshold_;
   VoxelDownsampler downsampler_;
   // The pose and velocity of the last scan, at the middle of its sweep.
   Pose T_world_middle_;
   Nanoseconds middle_stamp_ = 0;
-  Vector6d twist_ = Vector6d::Zero();  // m/s, rad/s
+  Vector6d twist_ = Vector6d::Zero();      // m/s, rad/s
+  Vector6d last_step_ = Vector6d::Zero();  // between the last two scans, however long it took
   // Of the last sweep as it tells itself, rad/s, if it was asked.
   std::optional<Eigen::Vector3d> turn_rate_;
-  int swinging_ = 0;            // scans that the sensor is taken to swing on for
-  double deviation_sum_ = 0.0;  // of squared departures from the prediction, m^2
-  std::size_t deviation_count_ = 0;
+  int swinging_ = 0;  // scans that the sensor is taken to swing on for
   std::size_t scans_ = 0;
   double usual_voxels_ = 0.0;  // that a scan fills
   int blocked_ = 0;            // scans in a row until now
+  int few_ = 0;                // likewise, of too few points
   std::size_t predicted_scans_ = 0;
-  Eigen::Vector3f pruned_at_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3d pruned_at_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace groundloop

@@ -3,7 +3,11 @@
 // on: of a voxel where its points span one, else of a patch of three voxels' edge. The patch is
 // what makes sparse sensors work: the scan lines of 16 beams cross a voxel once, and lines
 // registered to lines drag the pose along and tilt it.
-// Blocks live in one array and are reused; nothing is allocated per voxel.
+//
+// Points are kept relative to the corner of their voxel, and handed out relative to an anchor, a
+// corner near the sensor: single precision is then as exact a thousand kilometres from the start as
+// at it, and so is what follows from it. Blocks live in one array and are reused; nothing is
+// allocated per voxel.
 #pragma once
 
 #include <array>
@@ -18,6 +22,24 @@
 
 namespace groundloop {
 
+/// A frame with the world's axes whose origin is the lower corner of a voxel.
+struct MapAnchor {
+  Eigen::Vector3i voxel = Eigen::Vector3i::Zero();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of that corner in the world, m
+
+  /// A pose of the world, in this frame.
+  [[nodiscard]] Pose inside(const Pose& T_world_x) const {
+    Pose T = T_world_x;
+    T.translation -= position;
+    return T;
+  }
+  [[nodiscard]] Pose outside(const Pose& T_anchor_x) const {
+    Pose T = T_anchor_x;
+    T.translation += position;
+    return T;
+  }
+};
+
 class VoxelMap {
  public:
   static constexpr std::size_t kMaxPointsPerVoxel = 20;
@@ -25,24 +47,31 @@ class VoxelMap {
   /// voxel_size in metres.
   explicit VoxelMap(float voxel_size);
 
+  [[nodiscard]] float voxel_size() const { return voxel_size_; }
+  /// The anchor nearest to a place of the world, m.
+  [[nodiscard]] MapAnchor anchor_at(const Eigen::Vector3d& place) const;
+
+  /// In the anchor's frame.
   struct Neighbor {
     Eigen::Vector3f point;
-    float squared_distance;  ///< metres squared; above the bound asked for where there is no
-                             ///< neighbour
+    float squared_distance;  ///< m^2; above the bound asked for where there is no neighbour
     Plane plane;             ///< that the neighbour lies on, if any
+    float reach;             ///< how far the query can move, m, with this still its neighbour
   };
 
-  /// The nearest point within `max_distance` among the voxel of p and its 26 neighbours. Exact: a
-  /// voxel is passed over only where it is farther than the best point so far. Safe to call from
-  /// many threads.
-  [[nodiscard]] Neighbor nearest(const Eigen::Vector3f& p, float max_distance) const;
+  /// The nearest point within `max_distance` of p (in the anchor's frame, m) among the voxel of p
+  /// and its 26 neighbours. Exact: a voxel is passed over only where it is farther than the best
+  /// point so far. Safe to call from many threads.
+  [[nodiscard]] Neighbor nearest(const MapAnchor& anchor, const Eigen::Vector3f& p,
+                                 float max_distance) const;
 
-  /// Adds points (world frame). A point nearer than voxel_size / sqrt(20) to another of its voxel
+  /// Adds points (scan frame, m). A point nearer than voxel_size / sqrt(20) to another of its voxel
   /// is left out, but counts for the plane of its patch.
   void insert(const Points& points, const Pose& T_world_scan);
 
-  /// Drops voxels whose first point is farther than `distance` from `center`.
-  void remove_beyond(const Eigen::Vector3f& center, float distance);
+  /// Drops voxels whose corner is farther than `distance` from `center`, m.
+  void remove_beyond(const Eigen::Vector3d& center, float distance);
+  void clear();
 
   [[nodiscard]] bool empty() const { return table_.size() == 0; }
   [[nodiscard]] std::size_t voxels() const { return table_.size(); }
@@ -53,7 +82,7 @@ class VoxelMap {
 
  private:
   // Coordinates apart, so that the distances to all points of a block are computed in vector
-  // registers.
+  // registers. All relative to the voxel's lower corner.
   struct Block {
     alignas(16) std::array<float, kMaxPointsPerVoxel> x, y, z;
     Plane plane;
@@ -63,21 +92,25 @@ class VoxelMap {
     std::uint32_t patch;
     std::uint32_t padding;  // named, so that every byte of a saved state is defined
   };
+  // Relative to the patch's centre.
   struct Patch {
     VoxelKey key;
-    PlaneMoments moments;  // about the patch's centre
+    PlaneMoments moments;
     Plane plane;
     std::uint32_t blocks;   // that lie in it
     std::uint32_t touched;  // listed in touched_patches_
   };
 
-  std::uint32_t block_at(const Eigen::Vector3f& p);
-  std::uint32_t patch_at(const Eigen::Vector3f& p);
-  [[nodiscard]] Eigen::Vector3f center_of(const Patch& patch) const;
+  std::uint32_t block_at(const Eigen::Vector3i& voxel);
+  std::uint32_t patch_at(const Eigen::Vector3i& voxel);
+  // From the corner of a voxel to the centre of its patch, m.
+  [[nodiscard]] Eigen::Vector3f patch_center(const Eigen::Vector3i& voxel) const;
   [[nodiscard]] bool add_to_block(Block& block, const Eigen::Vector3f& p) const;
   void update_plane(Block& block) const;
   void update_plane(Patch& patch) const;
-  [[nodiscard]] Plane plane_of(const Block& block, const Eigen::Vector3f& point) const;
+  // Of a point of a block, both relative to the corner of the block's voxel.
+  [[nodiscard]] Plane plane_of(const Block& block, const Eigen::Vector3i& voxel,
+                               const Eigen::Vector3f& point) const;
 
   float voxel_size_;
   float inverse_size_;

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
 
 namespace groundloop {
@@ -198,17 +197,76 @@ TEST(Odometry, GoesOnFromASavedStateAsIfNothingHadHappened) {
   EXPECT_EQ(a.matrix(), b.matrix());
 }
 
-TEST(Odometry, TooFewPointsNameTheScan) {
-  Scan scan;
-  scan.points.assign(5, Eigen::Vector3f(1, 2, 3));
-  Odometry odometry{OdometryOptions{}};
-  try {
-    odometry.add(scan, "000012.bin");
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("000012.bin: only 5 points"), std::string::npos)
-        << e.what();
+// Few points, none, or nothing but NaN: the scan is predicted and the next goes on.
+TEST(Odometry, PredictsScansOfTooFewPoints) {
+  const Drive drive;
+  Scan few, none, nan;
+  few.points.assign(5, Eigen::Vector3f(1, 2, 3));
+  nan.points.assign(5000, Eigen::Vector3f::Constant(std::nanf("")));
+  OdometryOptions options;
+  options.voxel_size = 0.5;
+  Odometry odometry(options);
+  odometry.start(sweep(drive, 0.0, 0.1, true), sweep(drive, 0.1, 0.1, true));
+  Pose last;
+  for (int i = 0; i < 30; ++i) {
+    Scan scan = i == 20 ? few : i == 21 ? none : i == 22 ? nan : sweep(drive, 0.1 * i, 0.1, true);
+    scan.stamp = static_cast<Nanoseconds>(i) * 100'000'000;
+    const RegisteredScan result = odometry.add(scan, "scan");
+    EXPECT_EQ(result.predicted, i >= 20 && i < 23) << i;
+    EXPECT_EQ(result.points.empty(), result.predicted) << i;
+    last = result.T_world_scan;
   }
+  EXPECT_EQ(odometry.predicted_scans(), 3U);
+  const Eigen::Vector3d expected = (drive.at(0.0).inverse() * drive.at(2.9)).translation;
+  EXPECT_LT((last.translation - expected).norm(), 0.25);
+}
+
+TEST(Odometry, BeginsWithTheFirstScanThatHasPoints) {
+  const Drive drive;
+  Odometry odometry{OdometryOptions{}};
+  odometry.start(Scan{}, sweep(drive, 0.1, 0.1, true));
+  odometry.add(Scan{}, "scan 0");
+  EXPECT_FALSE(odometry.started());
+  EXPECT_FALSE(odometry.add(sweep(drive, 0.1, 0.1, true), "scan 1").predicted);
+  EXPECT_TRUE(odometry.started());
+}
+
+// Key frames by distance and turn, as people keep them: 0.2 m and 8 degrees apart at any interval,
+// now and then to the other side.
+TEST(Odometry, FollowsKeyFramesAtUnevenTimes) {
+  OdometryOptions options;
+  options.voxel_size = 0.5;
+  Odometry odometry(options);
+  Pose truth(Eigen::Quaterniond::Identity(), Eigen::Vector3d(-8, -2, 0));
+  const Pose first = truth;
+  Nanoseconds stamp = 0;
+  Pose last;
+  for (int i = 0; i < 40; ++i) {
+    struct Still {
+      Pose pose;
+      [[nodiscard]] Pose at(double) const { return pose; }
+    };
+    Scan scan = sweep(Still{truth}, 0.0, 0.1, false);
+    scan.stamp = stamp;
+    last = odometry.add(scan, "scan").T_world_scan;
+    EXPECT_LT(((first * last).translation - truth.translation).norm(), 0.1) << i;
+    stamp += (i % 5 == 0 ? 30 : i % 3 + 1) * Nanoseconds{100'000'000};
+    const double turn = (i % 7 < 4 ? 8.0 : -8.0) * M_PI / 180.0;
+    truth = truth * Pose(exp_so3({0.0, 0.0, turn}), Eigen::Vector3d(0.2, 0.0, 0.0));
+  }
+}
+
+TEST(AdaptiveThreshold, IsTheRootMeanSquareOfDeviationsAndForgetsOne) {
+  AdaptiveThreshold threshold(2.0, 0.1);
+  threshold.learn(0.05);  // below the least motion
+  EXPECT_DOUBLE_EQ(threshold.value(), 2.0);
+  threshold.learn(1.0);
+  EXPECT_DOUBLE_EQ(threshold.value(), std::sqrt((4.0 + 1.0) / 2.0));
+  threshold.learn(3.0);
+  EXPECT_DOUBLE_EQ(threshold.value(), std::sqrt((4.0 + 1.0 + 9.0) / 3.0));
+  threshold.learn(50.0);
+  for (int i = 0; i < 1500; ++i) threshold.learn(0.3);
+  EXPECT_NEAR(threshold.value(), 0.3, 0.01);
 }
 
 // A lorry before the sensor: a scan of many points, all on one thing that is near.

@@ -59,7 +59,7 @@ TEST(VoxelMap, NearestAgreesWithBruteForceOverTheNeighbouringVoxels) {
     for (const float bound : {0.3F, 0.9F}) {
       float best = INFINITY;
       for (const auto& q : kept) best = std::min(best, (p - q).squaredNorm());
-      const VoxelMap::Neighbor neighbor = map.nearest(p, bound);
+      const VoxelMap::Neighbor neighbor = map.nearest(MapAnchor{}, p, bound);
       if (best <= bound * bound) {
         EXPECT_NEAR(neighbor.squared_distance, best, 1e-5F);
       } else {
@@ -73,7 +73,8 @@ TEST(VoxelMap, KeepsPointsApartAndAtMostTwentyAVoxel) {
   VoxelMap map(1.0F);
   map.insert(Points(100, Eigen::Vector3f(0.5F, 0.5F, 0.5F)), Pose());
   EXPECT_EQ(map.voxels(), 1U);
-  EXPECT_EQ(map.nearest({0.5F, 0.5F, 0.6F}, 1.0F).point, Eigen::Vector3f(0.5F, 0.5F, 0.5F));
+  EXPECT_EQ(map.nearest(MapAnchor{}, {0.5F, 0.5F, 0.6F}, 1.0F).point,
+            Eigen::Vector3f(0.5F, 0.5F, 0.5F));
 }
 
 // Two scan lines on a wall, 1.2 m apart: no voxel of 1 m holds more than one of them.
@@ -84,7 +85,7 @@ TEST(VoxelMap, ScanLinesOfOneWallGiveItsPlaneThoughNoVoxelHoldsTwo) {
     for (const float z : {0.5F, 1.7F}) lines.emplace_back(0.1F * static_cast<float>(i), 0.4F, z);
   }
   map.insert(lines, Pose());
-  const VoxelMap::Neighbor neighbor = map.nearest({1.2F, 0.5F, 0.6F}, 1.0F);
+  const VoxelMap::Neighbor neighbor = map.nearest(MapAnchor{}, {1.2F, 0.5F, 0.6F}, 1.0F);
   ASSERT_TRUE(neighbor.plane.exists());
   EXPECT_NEAR(std::abs(neighbor.plane.normal.y()), 1.0F, 1e-5F);
   EXPECT_NEAR(neighbor.plane.distance({1.2F, 0.5F, 0.6F}) * neighbor.plane.normal.y(), 0.1F, 1e-5F);
@@ -92,17 +93,52 @@ TEST(VoxelMap, ScanLinesOfOneWallGiveItsPlaneThoughNoVoxelHoldsTwo) {
   Points pole;
   for (int i = 0; i < 5; ++i) pole.emplace_back(1.5F, 0.9F, 0.25F * static_cast<float>(i));
   map.insert(pole, Pose());
-  EXPECT_FALSE(map.nearest({1.5F, 0.95F, 0.5F}, 1.0F).plane.exists());
+  EXPECT_FALSE(map.nearest(MapAnchor{}, {1.5F, 0.95F, 0.5F}, 1.0F).plane.exists());
+}
+
+// The nearest point stays so while the query moves by less than its reach.
+TEST(VoxelMap, ANeighbourStaysTheNearestWithinItsReach) {
+  VoxelMap map(1.0F);
+  map.insert(random_points(4000, 8.0F, 5), Pose());
+  const Points shifts = random_points(500, 1.0F, 7);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; const Eigen::Vector3f& p : random_points(500, 7.0F, 6)) {
+    const VoxelMap::Neighbor neighbor = map.nearest(MapAnchor{}, p, 0.9F);
+    const Eigen::Vector3f q = p + 0.99F * neighbor.reach * shifts[i++].normalized();
+    if (neighbor.reach <= 0.0F) continue;
+    ++moved;
+    const VoxelMap::Neighbor again = map.nearest(MapAnchor{}, q, 2.0F);
+    EXPECT_LT((again.point - neighbor.point).norm(), 1e-6F);
+  }
+  EXPECT_GT(moved, 300U);
+}
+
+// Far from the start points are as exact as near it: single precision would keep 8 mm there.
+TEST(VoxelMap, KeepsPointsExactlyAHundredKilometresAway) {
+  VoxelMap map(1.0F);
+  const Eigen::Vector3d far(100'000.25, -100'000.25, 20.25);
+  const Points points = random_points(200, 8.0F, 8);
+  map.insert(points, Pose(Eigen::Quaterniond::Identity(), far));
+  const MapAnchor anchor = map.anchor_at(far);
+  EXPECT_LT((anchor.position - far).norm(), 1.0);
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3f query = p + (far - anchor.position).cast<float>();
+    EXPECT_LT(map.nearest(anchor, query, 0.5F).squared_distance, 1e-10F);
+  }
+  map.remove_beyond(far, 3.0F);
+  EXPECT_LT(map.voxels(), 30U);
+  EXPECT_GT(map.voxels(), 0U);
 }
 
 TEST(VoxelMap, DropsWhatIsOutOfRangeAndReusesItsPlace) {
   VoxelMap map(1.0F);
   map.insert({{0.5F, 0.5F, 0.5F}, {50.0F, 0.0F, 0.0F}}, Pose());
-  map.remove_beyond(Eigen::Vector3f::Zero(), 10.0F);
+  map.remove_beyond(Eigen::Vector3d::Zero(), 10.0F);
   EXPECT_EQ(map.voxels(), 1U);
-  EXPECT_GT(map.nearest({50.0F, 0.0F, 0.0F}, 1.0F).squared_distance, 1.0F);
+  EXPECT_GT(map.nearest(MapAnchor{}, {50.0F, 0.0F, 0.0F}, 1.0F).squared_distance, 1.0F);
   map.insert({{50.0F, 0.0F, 0.0F}}, Pose());
-  EXPECT_EQ(map.nearest({50.0F, 0.0F, 0.1F}, 1.0F).point, Eigen::Vector3f(50.0F, 0.0F, 0.0F));
+  EXPECT_EQ(map.nearest(MapAnchor{}, {50.0F, 0.0F, 0.1F}, 1.0F).point,
+            Eigen::Vector3f(50.0F, 0.0F, 0.0F));
 }
 
 }  // namespace
