@@ -127,6 +127,9 @@ void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const 
   get(in, state.scans_finished);
   state.odometry.load(in);
   state.builder.load(in);
+  // A right checksum does not say that the numbers fit each other.
+  if (!in)
+    throw InputError(file_.string() + ": the checkpoint is damaged; run again with --overwrite");
   get_all(in, state.trajectory);
   std::vector<LocalMapRecord> maps;
   get_all(in, maps);

@@ -58,6 +58,9 @@ void LocalMapBuilder::load(std::istream& in) {
   get(in, last_position_);
   get(in, path_);
   get_all(in, blocks_);
+  for (const Block& block : blocks_) {
+    if (block.count > block.points.size()) in.setstate(std::ios::failbit);
+  }
   table_.clear();
   for (std::uint32_t i = 0; i < blocks_.size(); ++i) table_.find_or_insert(blocks_[i].key, i);
 }

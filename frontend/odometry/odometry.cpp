@@ -322,6 +322,9 @@ void Odometry::load(std::istream& in) {
   get(in, pruned_at_);
   map_.load(in);
   search_.load(in);
+  const bool finite = T_world_middle_.translation.allFinite() && twist_.allFinite() &&
+                      std::abs(T_world_middle_.rotation.norm() - 1.0) < 1e-6;
+  if (!finite) in.setstate(std::ios::failbit);
 }
 
 }  // namespace groundloop

@@ -269,6 +269,32 @@ void VoxelMap::load(std::istream& in) {
   for (std::uint32_t i = 0; i < patches_.size(); ++i) {
     if (patches_[i].blocks > 0) patch_table_.find_or_insert(patches_[i].key, i);
   }
+  if (!consistent()) in.setstate(std::ios::failbit);
+}
+
+bool VoxelMap::consistent() const {
+  std::vector<std::uint32_t> blocks_of(patches_.size(), 0);
+  std::size_t used = 0, used_patches = 0;
+  for (const Block& block : blocks_) {
+    if (block.count == 0) continue;
+    if (block.count > kMaxPointsPerVoxel || block.patch >= patches_.size()) return false;
+    ++blocks_of[block.patch];
+    ++used;
+  }
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    if (blocks_of[i] != patches_[i].blocks) return false;
+    used_patches += patches_[i].blocks > 0;
+  }
+  const auto free_block = [&](std::uint32_t i) {
+    return i < blocks_.size() && blocks_[i].count == 0;
+  };
+  const auto free_patch = [&](std::uint32_t i) {
+    return i < patches_.size() && patches_[i].blocks == 0;
+  };
+  // As many in the tables as there are: no key occurs twice.
+  return table_.size() == used && patch_table_.size() == used_patches &&
+         std::all_of(free_.begin(), free_.end(), free_block) &&
+         std::all_of(free_patches_.begin(), free_patches_.end(), free_patch);
 }
 
 }  // namespace groundloop

@@ -76,7 +76,8 @@ class VoxelMap {
   [[nodiscard]] bool empty() const { return table_.size() == 0; }
   [[nodiscard]] std::size_t voxels() const { return table_.size(); }
 
-  /// Exact state for a resumable session.
+  /// Exact state for a resumable session. What load() reads may come from anybody: where it is no
+  /// map, `in` is left failed.
   void save(std::ostream& out) const;
   void load(std::istream& in);
 
@@ -101,6 +102,8 @@ class VoxelMap {
     std::uint32_t touched;  // listed in touched_patches_
   };
 
+  // Indices and counts that fit each other, as in every map that insert() made.
+  [[nodiscard]] bool consistent() const;
   std::uint32_t block_at(const Eigen::Vector3i& voxel);
   std::uint32_t patch_at(const Eigen::Vector3i& voxel);
   // From the corner of a voxel to the centre of its patch, m.

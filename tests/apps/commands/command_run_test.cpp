@@ -4,9 +4,10 @@
 #include <fstream>
 #include <functional>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "frontend/core/files.hpp"
+#include "frontend/core/trajectory.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -14,6 +15,7 @@ namespace groundloop {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::CommandResult;
 using testing::expect_input_error;
 using testing::run_command;
 using testing::TemporaryFolder;
@@ -109,12 +111,12 @@ INSTANTIATE_TEST_SUITE_P(
               [](const KittiFolder& k) { k.write_scan(1, std::vector<float>(400, NAN)); },
               {},
               {"000001.bin"}},
-        Fault{"TooFewPoints",
+        Fault{"TooFewPointsInEveryScan",
               [](const KittiFolder& k) {
-                k.write_scan(3, {1, 2, 3, 0, 4, 5, 6, 0});
+                for (int i = 0; i < 4; ++i) k.write_scan(i, {1, 2, 3, 0, 4, 5, 6, 0});
               },
               {},
-              {"scan 3", "2 points"}},
+              {"points"}},
         Fault{"FewerStampsThanScans",
               [](const KittiFolder& k) {
                 KittiFolder::write(k.sequence() / "times.txt", "0.0\n0.1\n");
@@ -162,6 +164,17 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"UnknownFormat", kNothing, {"--format", "kity"}, {"kity"}},
         Fault{"ResumeWithoutAnInterruptedRun", kNothing, {"--resume"}, {"no interrupted session"}}),
     [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST(Run, AScanOfTwoPointsEndsNothingAndIsSaid) {
+  const TemporaryFolder folder;
+  const KittiFolder kitti(folder / "recording");
+  kitti.write_scan(3, {1, 2, 3, 0, 4, 5, 6, 0});
+  const CommandResult result =
+      run_command({"run", (folder / "recording").string(), "--out", (folder / "out").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+  EXPECT_THAT(result.standard_error, ::testing::HasSubstr("scan 3: only 2 points"));
+  EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), 4U);
+}
 
 TEST(Run, MissingRecordingIsNamed) {
   const TemporaryFolder folder;
