@@ -13,6 +13,7 @@
 #include "apps/commands/reading_options.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/recording.hpp"
+#include "frontend/recordings/sensor_recognition.hpp"
 #include "frontend/simulation/open_any_recording.hpp"
 
 namespace groundloop::apps {
@@ -32,6 +33,7 @@ struct Sample {
   double lowest_deg = 90.0, highest_deg = -90.0;
   double first_time = 0.0, last_time = 0.0;
   bool timed = false;
+  std::string sensor;  ///< as its points tell
 };
 
 Sample sample_scans(Recording& recording) {
@@ -42,8 +44,10 @@ Sample sample_scans(Recording& recording) {
   for (std::size_t k = 0; k < kScans; ++k) {
     indices.insert(k * (recording.size() - 1) / (kScans - 1));
   }
+  std::vector<Scan> scans;
   for (const std::size_t index : indices) {
-    const Scan scan = recording.read(index);
+    scans.push_back(recording.read(index));
+    const Scan& scan = scans.back();
     const bool first = sample.scans++ == 0;
     sample.fewest = first ? scan.points.size() : std::min(sample.fewest, scan.points.size());
     sample.most = std::max(sample.most, scan.points.size());
@@ -63,6 +67,7 @@ Sample sample_scans(Recording& recording) {
       sample.timed = true;
     }
   }
+  sample.sensor = recordings::recognise_sensor(scans);
   return sample;
 }
 
@@ -88,6 +93,7 @@ nlohmann::ordered_json describe(Recording& recording) {
   json["path"] = info.path;
   json["format"] = info.format;
   json["sensor"] = info.sensor;
+  json["points_look_like"] = sample.sensor;
   json["scans"] = recording.size();
   json["rate_hz"] = rounded(scan_rate(recording), 1e3);
   json["first_stamp"] = seconds_text(recording.stamp(0));
@@ -144,6 +150,7 @@ void print_table(const nlohmann::ordered_json& json) {
 
 void run(const Arguments& arguments) {
   RecordingOptions options = arguments.options;
+  options.attributes.ring = true;
   options.more_paths.assign(arguments.paths.begin() + 1, arguments.paths.end());
   const std::unique_ptr<Recording> recording = open_any_recording(arguments.paths.front(), options);
   const nlohmann::ordered_json json = describe(*recording);

@@ -7,8 +7,8 @@
 
 namespace groundloop::apps {
 
-/// Adds --format, --topic, --time-unit and --stamp, which fill `options`; it must live as long as
-/// the command.
+/// Adds --format, --topic, --fields, --dataset, --calibration, --time-unit and --stamp, which fill
+/// `options`; it must live as long as the command.
 void add_reading_options(CLI::App& command, RecordingOptions& options);
 
 }  // namespace groundloop::apps

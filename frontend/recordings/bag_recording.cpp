@@ -9,13 +9,23 @@
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/ground_truth.hpp"
+#include "frontend/recordings/livox_message.hpp"
+#include "frontend/recordings/packets/packet_recording.hpp"
 #include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/source_tools.hpp"
 
 namespace groundloop::recordings {
 
 bool Topic::is_point_cloud() const {
-  return type == "sensor_msgs/PointCloud2" || type == "sensor_msgs/msg/PointCloud2";
+  return type == "sensor_msgs/PointCloud2" || type == "sensor_msgs/msg/PointCloud2" ||
+         is_livox_message(type);
+}
+
+bool Topic::is_packets() const { return packet_message_of(type) != PacketMessage::none; }
+
+bool Topic::is_read() const {
+  const bool text = type == "std_msgs/String" || type == "std_msgs/msg/String";
+  return is_point_cloud() || is_packets() || (text && name.ends_with("metadata"));
 }
 
 void Topic::count(Nanoseconds time) {
@@ -60,44 +70,85 @@ std::string describe(const Topic& topic) {
          rate.data() + ")";
 }
 
-std::string list(const std::vector<Topic>& topics, bool clouds_only) {
+std::string list(const std::vector<Topic>& topics, bool scans_only) {
   std::string text;
   for (const Topic& topic : topics) {
-    if (clouds_only && !topic.is_point_cloud()) continue;
+    if (scans_only && !topic.is_point_cloud() && !topic.is_packets()) continue;
     text += (text.empty() ? "" : ", ") + describe(topic);
   }
   return text.empty() ? "none" : text;
 }
 
-std::string choose_topic(const std::string& path, const std::vector<Topic>& topics,
-                         const std::string& wanted) {
-  std::vector<const Topic*> clouds;
+// What makes scans of topics that cannot be read.
+std::string remedy(const std::vector<Topic>& topics) {
   for (const Topic& topic : topics) {
-    if (topic.name == wanted && !topic.is_point_cloud()) {
-      throw InputError(path + ": topic " + wanted + " is of type " + topic.type +
-                       ", not PointCloud2; choose one of " + list(topics, true));
-    }
-    if (topic.is_point_cloud() && (wanted.empty() || topic.name == wanted)) {
-      clouds.push_back(&topic);
-    }
+    const auto has = [&](const char* text) { return topic.type.find(text) != std::string::npos; };
+    if (has("rslidar") || has("robosense"))
+      return "; convert Robosense packets to PointCloud2 with rslidar_sdk";
+    if (has("LaserScan")) return "; a LaserScan is flat, which is not enough";
   }
-  if (clouds.size() == 1) return clouds.front()->name;
-  if (clouds.empty() && wanted.empty()) {
+  return "; PointCloud2, Livox CustomMsg and packets of Velodyne, Hesai and Ouster are read";
+}
+
+// Topics that may be meant; of an Ouster's packets those that are the lidar's.
+std::vector<const Topic*> candidates(const std::vector<Topic>& topics) {
+  std::vector<const Topic*> clouds, packets;
+  for (const Topic& topic : topics) {
+    if (topic.is_point_cloud()) clouds.push_back(&topic);
+    const bool imu = packet_message_of(topic.type) == PacketMessage::ouster_packet &&
+                     topic.name.find("imu") != std::string::npos;
+    if (topic.is_packets() && !imu) packets.push_back(&topic);
+  }
+  return clouds.empty() ? packets : clouds;
+}
+
+Topic choose_topic(const std::string& path, const std::vector<Topic>& topics,
+                   const std::string& wanted) {
+  if (!wanted.empty()) {
+    const auto it = std::find_if(topics.begin(), topics.end(),
+                                 [&](const Topic& topic) { return topic.name == wanted; });
+    if (it == topics.end()) {
+      throw InputError(path + ": has no topic " + wanted + "; choose one of " + list(topics, true));
+    }
+    if (it->is_point_cloud() || it->is_packets()) return *it;
+    throw InputError(path + ": topic " + wanted + " is of type " + it->type +
+                     ", not PointCloud2 or packets; choose one of " + list(topics, true));
+  }
+  const std::vector<const Topic*> found = candidates(topics);
+  if (found.size() == 1) return *found.front();
+  if (found.empty()) {
     throw InputError(path + ": has no topic of type PointCloud2; its topics are " +
-                     list(topics, false));
-  }
-  if (clouds.empty()) {
-    throw InputError(path + ": has no topic " + wanted + "; choose one of " + list(topics, true));
+                     list(topics, false) + remedy(topics));
   }
   throw InputError(path + ": has several topics of point clouds; choose one with --topic: " +
                    list(topics, true));
 }
 
+// The text that an Ouster driver publishes beside the packets; empty where there is none.
+std::string recorded_metadata(std::vector<NamedFile>& files) {
+  std::vector<std::byte> message;
+  for (NamedFile& named : files) {
+    for (const Topic& topic : named.file->topics()) {
+      if (topic.is_point_cloud() || topic.is_packets() || !topic.is_read()) continue;
+      for (const MessageEntry& entry : named.file->messages(topic.name)) {
+        named.file->read(entry, kWhole, message);
+        MessageReader reader(message, topic.encoding);
+        std::string text = reader.text();
+        if (!reader.failed() && !text.empty()) return text;
+      }
+    }
+  }
+  return {};
+}
+
 class BagRecording final : public Recording {
  public:
   BagRecording(const std::string& path, const char* format, std::vector<NamedFile> files,
-               const RecordingOptions& options, std::vector<std::string> notes)
-      : files_(std::move(files)), options_(options) {
+               const RecordingOptions& options, std::vector<std::string> notes, const Topic& topic)
+      : files_(std::move(files)),
+        options_(options),
+        topic_(topic.name),
+        livox_(is_livox_message(topic.type)) {
     info_.path = path;
     info_.format = format;
     info_.notes = std::move(notes);
@@ -105,9 +156,9 @@ class BagRecording final : public Recording {
       const auto& more = named.file->notes();
       info_.notes.insert(info_.notes.end(), more.begin(), more.end());
     }
-    topic_ = choose_topic(path, all_topics(files_), options.topic);
     gather();
     choose_stamps();
+    bridge_clock_set_back();
     put_in_order();
     learn_layout();
     find_truth(path);
@@ -122,8 +173,9 @@ class BagRecording final : public Recording {
     const Item& item = items_.at(index);
     const Cloud cloud = load(item);
     const DecodeRequest request{times_ ? &*times_ : nullptr, options_.attributes, nullptr};
-    Scan scan = decode_points(cloud.table.layout, cloud.data, cloud.table.count, item.stamp,
+    Scan scan = decode_points(cloud.table.layout, cloud.data, cloud.table.count, item.clock,
                               request, place(item));
+    scan.stamp = item.stamp;
     require_points(scan, cloud.table.count, place(item));
     return scan;
   }
@@ -131,6 +183,7 @@ class BagRecording final : public Recording {
  private:
   struct Item {
     Nanoseconds stamp = 0;
+    Nanoseconds clock = 0;  // the same by the clock that times of points may be of
     std::size_t file = 0;
     Encoding encoding = Encoding::ros1;
     MessageEntry entry;
@@ -143,7 +196,8 @@ class BagRecording final : public Recording {
 
   Cloud load(const Item& item) {
     files_[item.file].file->read(item.entry, kWhole, buffer_);
-    return parse_cloud(buffer_, item.encoding, place(item));
+    return livox_ ? parse_livox(buffer_, item.encoding, place(item))
+                  : parse_cloud(buffer_, item.encoding, place(item));
   }
 
   // Every message's header, in the order of recording.
@@ -159,7 +213,8 @@ class BagRecording final : public Recording {
         std::optional<CloudHeader> header;
         try {
           file.read(entry, kHead, buffer_);
-          header = parse_cloud_header(buffer_, topic->encoding);
+          header = livox_ ? parse_livox_header(buffer_, topic->encoding)
+                          : parse_cloud_header(buffer_, topic->encoding);
         } catch (const InputError& e) {
           if (first_problem.empty()) first_problem = e.what();
         }
@@ -172,7 +227,7 @@ class BagRecording final : public Recording {
           continue;
         }
         if (items_.empty()) info_.sensor = "frame " + header->frame;
-        items_.push_back({header->stamp, f, topic->encoding, entry});
+        items_.push_back({header->stamp, header->stamp, f, topic->encoding, entry});
       }
     }
     std::stable_sort(items_.begin(), items_.end(), [](const Item& a, const Item& b) {
@@ -199,10 +254,34 @@ class BagRecording final : public Recording {
       return item.stamp == items_.front().stamp;
     });
     if (items_.size() == 1 || !same) return;
-    for (Item& item : items_) item.stamp = item.entry.log_time;
+    for (Item& item : items_) item.stamp = item.clock = item.entry.log_time;
     info_.stamp_source = "times of recording";
     info_.notes.emplace_back(
         "All headers have the same stamp; the times of recording are used instead.");
+  }
+
+  // A clock that was set back while the recording went on: the stamps behind go on from there by
+  // the recorder's clock. Messages that merely come late are followed by later ones again.
+  void bridge_clock_set_back() {
+    constexpr Nanoseconds kSecond = 1'000'000'000;
+    Nanoseconds shift = 0, latest = items_.front().stamp;
+    for (std::size_t i = 1; i < items_.size(); ++i) {
+      const Nanoseconds own = items_[i].stamp;
+      const bool goes_on = i + 1 < items_.size() && items_[i + 1].stamp > own &&
+                           items_[i + 1].stamp + shift < latest - kSecond;
+      if (own + shift < latest - kSecond && goes_on) {
+        const Nanoseconds passed = items_[i].entry.log_time - items_[i - 1].entry.log_time;
+        shift = items_[i - 1].stamp + std::clamp<Nanoseconds>(passed, 1, 3600 * kSecond) - own;
+        ++times_set_;
+      }
+      items_[i].stamp = own + shift;
+      latest = std::max(latest, items_[i].stamp);
+    }
+    if (times_set_ > 0) {
+      info_.notes.push_back("The sensor's clock was set back " + std::to_string(times_set_) +
+                            (times_set_ == 1 ? " time" : " times") +
+                            "; stamps go on from there by the times of recording.");
+    }
   }
 
   void put_in_order() {
@@ -241,7 +320,7 @@ class BagRecording final : public Recording {
         info_.fields = cloud.table.layout.described();
         info_.attributes = cloud.table.layout.attributes();
       }
-      survey.add(cloud.table.layout, cloud.data, cloud.table.count, item.stamp, place(item));
+      survey.add(cloud.table.layout, cloud.data, cloud.table.count, item.clock, place(item));
     }
     times_ = survey.finish({duration_, true, options_.time_unit}, info_);
   }
@@ -264,7 +343,9 @@ class BagRecording final : public Recording {
   std::vector<NamedFile> files_;
   RecordingOptions options_;
   std::string topic_;
+  bool livox_ = false;
   std::vector<Item> items_;
+  std::size_t times_set_ = 0;
   Nanoseconds duration_ = 0;
   std::optional<TimeModel> times_;
   std::vector<std::byte> buffer_;
@@ -276,7 +357,17 @@ std::unique_ptr<Recording> make_bag_recording(const std::string& path, const cha
                                               std::vector<NamedFile> files,
                                               const RecordingOptions& options,
                                               std::vector<std::string> notes) {
-  return std::make_unique<BagRecording>(path, format, std::move(files), options, std::move(notes));
+  const Topic topic = choose_topic(path, all_topics(files), options.topic);
+  if (!topic.is_packets())
+    return std::make_unique<BagRecording>(path, format, std::move(files), options, std::move(notes),
+                                          topic);
+  for (const NamedFile& named : files)
+    notes.insert(notes.end(), named.file->notes().begin(), named.file->notes().end());
+  PacketSource source{path, format, std::move(files), nullptr, {}, std::move(notes)};
+  const PacketMessage kind = packet_message_of(topic.type);
+  if (kind == PacketMessage::ouster_packet) source.metadata = recorded_metadata(source.files);
+  source.stream = open_bag_packets(source.files, topic.name, kind);
+  return make_packet_recording(std::move(source), options);
 }
 
 }  // namespace groundloop::recordings

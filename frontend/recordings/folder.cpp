@@ -5,6 +5,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/recordings/bin_layout.hpp"
 #include "frontend/recordings/ground_truth.hpp"
 #include "frontend/recordings/point_files.hpp"
 #include "frontend/recordings/scan_files.hpp"
@@ -17,20 +18,6 @@ namespace {
 constexpr const char* kBinFields = "float32 x y z intensity ...";
 constexpr std::array<const char*, 3> kExtensions = {".bin", ".pcd", ".ply"};
 
-// Record of headerless files: 16, 20 or 24 bytes, whichever divides the lengths of most of them. A
-// file that is cut off must not make all the others look strange.
-std::vector<std::string> bin_fields(const std::vector<fs::path>& files) {
-  std::array<std::size_t, 3> fitting = {0, 0, 0};
-  for (const fs::path& file : files) {
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    for (std::size_t k = 0; k < fitting.size(); ++k) fitting[k] += size % (16 + 4 * k) == 0 ? 1 : 0;
-  }
-  if (fitting[0] >= std::max(fitting[1], fitting[2])) return {"x", "y", "z", "intensity"};
-  if (fitting[2] >= fitting[1]) return {"x", "y", "z", "intensity", "ring", "t"};
-  return {"x", "y", "z", "intensity", "ring"};
-}
-
 class FolderRecording final : public ScanFiles {
  public:
   FolderRecording(const fs::path& folder, const RecordingOptions& options)
@@ -38,7 +25,7 @@ class FolderRecording final : public ScanFiles {
     choose_files(folder);
     find_stamps(folder);
     info_.gaps = count_gaps(stamps_);
-    if (extension_ == ".bin") choose_bin_layout();
+    if (extension_ == ".bin") choose_bin_layout(options.fields);
     learn_layout();
     find_truth(folder);
   }
@@ -90,15 +77,11 @@ class FolderRecording final : public ScanFiles {
     return decode_table(index, parse(index), {times_ ? &*times_ : nullptr, {}, nullptr}, scan);
   }
 
-  void choose_bin_layout() {
-    for (const std::string& field : bin_fields(files_))
-      bin_layout_.append(field, FieldType::float32);
-    bin_layout_.set_records(0);
+  void choose_bin_layout(const std::string& asked) {
+    const BinLayout chosen = recordings::choose_bin_layout(files_, asked);
+    bin_layout_ = chosen.layout();
     check_lengths(bin_layout_.packed_size, kBinFields);
-    if (bin_layout_.packed_size != 16) {
-      info_.notes.push_back("Lengths of all files fit records of " +
-                            std::to_string(bin_layout_.packed_size / 4) + " float32 values.");
-    }
+    if (!chosen.evidence.empty()) info_.notes.push_back(chosen.evidence);
   }
 
   // Of buffer_, the bytes of files_[index].

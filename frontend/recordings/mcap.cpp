@@ -117,7 +117,7 @@ class McapFile final : public MessageFile {
     const auto it = channels_.find(id);
     if (cursor.failed() || it == channels_.end() || offset + content.size() > 0xffffffffU) return;
     it->second.topic.count(log_time);
-    if (!it->second.topic.is_point_cloud()) return;
+    if (!it->second.topic.is_read()) return;
     messages_.emplace_back(
         id, MessageEntry{log_time, chunk,
                          (offset + kMessageHead) << 32U | (content.size() - kMessageHead)});
@@ -245,7 +245,7 @@ class McapFile final : public MessageFile {
     }
     for (auto& [id, channel] : channels_) {
       const auto it = counts.find(id);
-      if (it == counts.end() || channel.topic.is_point_cloud()) continue;
+      if (it == counts.end() || channel.topic.is_read()) continue;
       channel.topic.messages = it->second;
     }
     return true;
@@ -255,7 +255,7 @@ class McapFile final : public MessageFile {
     return place.channels.empty() ||
            std::any_of(place.channels.begin(), place.channels.end(), [&](std::uint16_t id) {
              const auto it = channels_.find(id);
-             return it == channels_.end() || it->second.topic.is_point_cloud();
+             return it == channels_.end() || it->second.topic.is_read();
            });
   }
 

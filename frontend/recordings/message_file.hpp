@@ -21,7 +21,12 @@ struct Topic {
   std::size_t messages = 0;
   Nanoseconds first = 0, last = 0;  ///< log times
 
+  /// One scan a message: PointCloud2, Livox CustomMsg.
   [[nodiscard]] bool is_point_cloud() const;
+  /// A sensor's raw packets.
+  [[nodiscard]] bool is_packets() const;
+  /// Messages that are read: scans, packets, and the texts that describe a sensor.
+  [[nodiscard]] bool is_read() const;
   void count(Nanoseconds time);  ///< one more message
 };
 
@@ -38,7 +43,7 @@ class MessageFile {
   [[nodiscard]] const std::vector<Topic>& topics() const { return topics_; }
   /// What is wrong with the file but did not stop its reading.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-  /// Messages of a point-cloud topic in the file's order.
+  /// Messages of a topic that is read (Topic::is_read) in the file's order.
   [[nodiscard]] virtual std::vector<MessageEntry> messages(const std::string& topic) = 0;
   /// At least the first `limit` bytes of a message (all where it has fewer) into `out`. Throws
   /// InputError naming the file.

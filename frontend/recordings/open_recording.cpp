@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 
 #include "frontend/core/error.hpp"
 #include "frontend/recordings/bags.hpp"
@@ -9,6 +10,7 @@
 #include "frontend/recordings/elevation_correction.hpp"
 #include "frontend/recordings/folder.hpp"
 #include "frontend/recordings/kitti.hpp"
+#include "frontend/recordings/packets/packet_recording.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/recordings/wrappers.hpp"
 
@@ -48,6 +50,7 @@ const std::array kFormats = {
     Format{"rosbag2", "a ROS 2 bag (metadata.yaml, *.db3)", recordings::is_rosbag2,
            recordings::open_rosbag2, true},
     Format{"mcap", "MCAP files (*.mcap)", recordings::is_mcap, recordings::open_mcap, true},
+    Format{"pcap", "a capture of packets (*.pcap)", recordings::is_pcap, recordings::open_pcap},
     Format{"folder", "a folder of *.bin, *.pcd or *.ply scans", recordings::is_scan_folder,
            recordings::open_folder},
 };
@@ -76,8 +79,19 @@ const Format& choose_format(const fs::path& path, const std::string& name) {
   throw InputError(path.string() + ": no recording is recognised here; looked for " + looked_for);
 }
 
-std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
-                                   const std::string& choice) {
+// What the scans show, or nothing where they cannot be read: then the run says so.
+std::optional<recordings::SensorSignature> signature_of(Recording& recording) {
+  try {
+    return recordings::sensor_signature(recording);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// KITTI's elevation error is a fact of its scans, whatever they are kept in. Its own layouts are
+// evidence enough; elsewhere the same sensor may have been used by others, and the user decides.
+std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording, const Options& options) {
+  const std::string& choice = options.elevation_correction;
   if (choice == "on")
     return recordings::with_elevation_correction(std::move(recording), "by option");
   if (choice == "off") {
@@ -87,9 +101,21 @@ std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
     throw InputError("elevation_correction: '" + choice +
                      "' is unknown; allowed are auto, on, off");
   }
+  if (options.dataset == "kitti")
+    return recordings::with_elevation_correction(std::move(recording), "--dataset kitti");
+  if (!options.dataset.empty()) return recording;
   const std::string format = recording->info().format;
+  const bool timed = recording->info().point_times != "none";
+  if (format == "folder" && !timed) {
+    const auto signature = signature_of(*recording);
+    if (!signature || !signature->kitti_hdl64) return recording;
+    return recordings::with_note(
+        std::move(recording),
+        "The scans are like those of KITTI's HDL-64E (" + signature->reason +
+            "), whose elevations are 0.205 degrees too low: add --dataset kitti if they are.");
+  }
   if (format != "kitti" && format != "kitti_raw") return recording;
-  if (format == "kitti" && recording->info().point_times != "none") {
+  if (format == "kitti" && timed) {
     return recordings::with_note(
         std::move(recording),
         "Elevation is not corrected: scans with per-point times are not KITTI's own, which come "
@@ -105,10 +131,27 @@ std::unique_ptr<Recording> correct(std::unique_ptr<Recording> recording,
       "Elevation is not corrected: " + signature.reason + ", not those of KITTI's HDL-64E.");
 }
 
+// What a data set's name stands for beside its layout.
+Options with_dataset(Options options) {
+  if (options.dataset == "nuscenes" && options.fields.empty())
+    options.fields = "x,y,z,intensity,ring";
+  for (const char* known : {"", "none", "kitti", "nuscenes"}) {
+    if (options.dataset == known) return options;
+  }
+  throw InputError("--dataset: '" + options.dataset +
+                   "' is unknown; known are kitti, nuscenes, none");
+}
+
 std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOptions& options) {
   std::error_code error;
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such file or folder; check the path");
+  }
+  if (fs::path(path).extension() == ".osf" && options.format.empty()) {
+    throw InputError(path +
+                     ": Ouster's .osf files are not read; convert it with Ouster's SDK: "
+                     "`ouster-cli source " +
+                     fs::path(path).filename().string() + " save OUT.pcap` or `save OUT.bag`");
   }
   const Format& format = choose_format(path, options.format);
   if (!options.more_paths.empty() && !format.takes_several) {
@@ -122,7 +165,7 @@ std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOpt
 
 std::unique_ptr<Recording> recordings::wrap(std::unique_ptr<Recording> recording,
                                             const RecordingOptions& options) {
-  recording = correct(std::move(recording), options.elevation_correction);
+  recording = correct(std::move(recording), options);
   if (!options.stamp.empty())
     recording = recordings::with_stamp_at(std::move(recording), options.stamp);
   if (options.first == 0 && options.count >= recording->size()) return recording;
@@ -131,7 +174,8 @@ std::unique_ptr<Recording> recordings::wrap(std::unique_ptr<Recording> recording
 
 std::unique_ptr<Recording> open_recording(const std::string& path,
                                           const RecordingOptions& options) {
-  return recordings::wrap(open_path(path, options), options);
+  const Options chosen = with_dataset(options);
+  return recordings::wrap(open_path(path, chosen), chosen);
 }
 
 }  // namespace groundloop

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "frontend/core/error.hpp"
-#include "frontend/recordings/byte_cursor.hpp"
 
 namespace groundloop::recordings {
 
@@ -11,55 +10,9 @@ namespace {
 
 constexpr std::size_t kMostFields = 1000;
 
-// Reads the primitives of either encoding. CDR aligns numbers to their size, counted from behind
-// its four bytes of encapsulation, and ends strings with a zero.
-class MessageReader {
- public:
-  MessageReader(std::span<const std::byte> message, Encoding encoding)
-      : cdr_(encoding == Encoding::cdr), cursor_(body(message)) {}
-
-  template <typename T>
-  T number() {
-    if (cdr_) cursor_.align(sizeof(T));
-    return cursor_.get<T>();
-  }
-  std::string text() {
-    const auto length = number<std::uint32_t>();
-    const auto part = cursor_.take(length);
-    std::string value(reinterpret_cast<const char*>(part.data()), part.size());
-    if (cdr_ && !value.empty() && value.back() == '\0') value.pop_back();
-    return value;
-  }
-  std::span<const std::byte> blob() { return cursor_.take(number<std::uint32_t>()); }
-  [[nodiscard]] bool failed() const { return broken_ || cursor_.failed(); }
-
- private:
-  ByteCursor body(std::span<const std::byte> message) {
-    if (!cdr_) return ByteCursor(message);
-    // Encapsulation: two bytes of representation (0, endianness), two of options.
-    if (message.size() < 4 || message[0] != std::byte{0} || message[1] > std::byte{0x0b}) {
-      broken_ = true;
-      return ByteCursor({});
-    }
-    const bool little = (std::to_integer<unsigned>(message[1]) & 1U) != 0;
-    return ByteCursor(message.subspan(4), !little);
-  }
-  bool cdr_;
-  bool broken_ = false;
-  ByteCursor cursor_;
-};
-
-CloudHeader read_header(MessageReader& reader, Encoding encoding) {
+CloudHeader read_header(MessageReader& reader) {
   CloudHeader header;
-  if (encoding == Encoding::ros1) {
-    (void)reader.number<std::uint32_t>();  // sequence number
-    const auto seconds = reader.number<std::uint32_t>();
-    header.stamp = static_cast<Nanoseconds>(seconds) * 1'000'000'000;
-  } else {
-    header.stamp = static_cast<Nanoseconds>(reader.number<std::int32_t>()) * 1'000'000'000;
-  }
-  header.stamp += reader.number<std::uint32_t>();
-  header.frame = reader.text();
+  static_cast<MessageHeader&>(header) = reader.header();
   header.height = reader.number<std::uint32_t>();
   header.width = reader.number<std::uint32_t>();
   return header;
@@ -114,7 +67,7 @@ void remove_row_padding(Cloud& cloud, std::size_t row, std::size_t row_step) {
 std::optional<CloudHeader> parse_cloud_header(std::span<const std::byte> message,
                                               Encoding encoding) {
   MessageReader reader(message, encoding);
-  CloudHeader header = read_header(reader, encoding);
+  CloudHeader header = read_header(reader);
   if (reader.failed()) return std::nullopt;
   return header;
 }
@@ -122,7 +75,7 @@ std::optional<CloudHeader> parse_cloud_header(std::span<const std::byte> message
 Cloud parse_cloud(std::span<const std::byte> message, Encoding encoding, const std::string& where) {
   MessageReader reader(message, encoding);
   Cloud cloud;
-  cloud.header = read_header(reader, encoding);
+  cloud.header = read_header(reader);
   if (reader.failed()) {
     throw InputError(where + ": " + std::to_string(message.size()) +
                      " bytes are too few for a PointCloud2");

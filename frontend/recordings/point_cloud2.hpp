@@ -7,16 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "frontend/recordings/message_reader.hpp"
 #include "frontend/recordings/point_layout.hpp"
 
 namespace groundloop::recordings {
 
-enum class Encoding { ros1, cdr };
-
 /// What stands before the fields of a message.
-struct CloudHeader {
-  Nanoseconds stamp = 0;
-  std::string frame;
+struct CloudHeader : MessageHeader {
   std::uint32_t height = 0, width = 0;
 };
 /// Nothing where the bytes, which may be the first ones of a message only, are too few or are no

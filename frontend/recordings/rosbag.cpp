@@ -51,7 +51,7 @@ class LibraryBag final : public MessageFile {
     for (const rosbag::MessageInstance& message : *view_) {
       Topic& topic = topics_.at(index.at(message.getTopic()));
       topic.count(to_nanoseconds(message.getTime().sec, message.getTime().nsec));
-      if (topic.is_point_cloud()) messages_.push_back(message);
+      if (topic.is_read()) messages_.push_back(message);
     }
   }
 
@@ -245,7 +245,7 @@ class ScannedBag final : public MessageFile {
                                                 static_cast<std::uint32_t>(*time >> 32U));
     Topic& topic = topics_[connections_.at(*id)];
     topic.count(log_time);
-    if (!topic.is_point_cloud()) return;
+    if (!topic.is_read()) return;
     messages_.emplace_back(*id, MessageEntry{log_time, chunk, offset << 32U | size});
   }
 

@@ -1,7 +1,6 @@
 #include "frontend/recordings/source_tools.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -19,32 +18,6 @@ namespace {
 
 constexpr Nanoseconds kSecond = 1'000'000'000;
 
-bool all_digits(std::string_view text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-std::optional<std::int64_t> whole_number(std::string_view text) {
-  if (!all_digits(text)) return std::nullopt;
-  std::int64_t value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc()) return std::nullopt;
-  return value;
-}
-
-// "cloud_1583840211_83000000": seconds and nanoseconds as the last two groups.
-std::optional<Nanoseconds> seconds_and_nanoseconds(std::string_view stem) {
-  const std::size_t second = stem.find_last_of('_');
-  if (second == std::string_view::npos || second == 0) return std::nullopt;
-  const std::size_t first = stem.find_last_of('_', second - 1);
-  const std::size_t begin = first == std::string_view::npos ? 0 : first + 1;
-  const auto s = whole_number(stem.substr(begin, second - begin));
-  const auto ns = whole_number(stem.substr(second + 1));
-  // Seconds of an epoch clock; smaller numbers are more likely two counters.
-  if (!s || !ns || *s < 100'000'000 || *s >= kFarthestStamp / kSecond || *ns >= kSecond)
-    return std::nullopt;
-  return *s * kSecond + *ns;
-}
-
 // The interval that a share of all intervals are below.
 Nanoseconds interval_at(const std::vector<Nanoseconds>& stamps, double share) {
   if (stamps.size() < 2) return kSecond / 10;
@@ -57,20 +30,6 @@ Nanoseconds interval_at(const std::vector<Nanoseconds>& stamps, double share) {
 
 bool strictly_increasing(const std::vector<Nanoseconds>& stamps) {
   return std::adjacent_find(stamps.begin(), stamps.end(), std::greater_equal<>()) == stamps.end();
-}
-
-// Nanoseconds a unit of whole-number names; 0 where they count scans.
-Nanoseconds unit_of_names(const std::vector<std::int64_t>& values) {
-  const std::int64_t last = *std::max_element(values.begin(), values.end());
-  if (last >= 100'000'000'000'000'000) return 1;  // 17 and more digits: epoch in ns
-  if (last >= 100'000'000'000'000) return 1'000;  // epoch in us
-  if (last >= 100'000'000'000) return 1'000'000;  // epoch in ms
-  if (values.size() < 2) return 0;
-  // A clock that starts near zero: scans are milliseconds to seconds apart, counters are not.
-  const std::int64_t step = median_period(values);
-  if (step >= 1'000'000) return 1;
-  if (step >= 10'000) return 1'000;
-  return last >= 1'000'000'000 ? kSecond : 0;
 }
 
 }  // namespace
@@ -146,48 +105,6 @@ StampTable match_stamps(const std::vector<fs::path>& scans, const fs::path& list
     throw InputError(list.string() + ": two scan files have the same number; rename one");
   }
   return table;
-}
-
-std::optional<std::int64_t> numeric_stem(const fs::path& file) {
-  return whole_number(file.stem().native());
-}
-
-std::optional<NameStamps> stamps_from_names(std::vector<fs::path>& files) {
-  NameStamps result;
-  std::vector<std::int64_t> whole;
-  std::vector<std::pair<Nanoseconds, fs::path>> stamped;
-  for (const fs::path& file : files) {
-    const std::string stem = file.stem().string();
-    Nanoseconds stamp = 0;
-    if (const auto number = whole_number(stem)) {
-      whole.push_back(*number);
-    } else if (const auto parts = seconds_and_nanoseconds(stem)) {
-      stamped.emplace_back(*parts, file);
-      result.unit = "s_ns";
-    } else if (stem.find_first_not_of("0123456789.") == std::string::npos &&
-               parse_seconds(stem, stamp)) {
-      stamped.emplace_back(stamp, file);
-      result.unit = "s";
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (!whole.empty()) {
-    if (!stamped.empty()) return std::nullopt;  // two kinds of names
-    const Nanoseconds unit = unit_of_names(whole);
-    if (unit == 0) return std::nullopt;
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-      if (whole[i] > kFarthestStamp / unit) return std::nullopt;
-      stamped.emplace_back(whole[i] * unit, files[i]);
-    }
-    result.unit = unit == 1 ? "ns" : unit == 1'000 ? "us" : unit == 1'000'000 ? "ms" : "s";
-  }
-  std::stable_sort(stamped.begin(), stamped.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [stamp, file] : stamped) result.stamps.push_back(stamp);
-  if (!strictly_increasing(result.stamps)) return std::nullopt;
-  for (std::size_t i = 0; i < files.size(); ++i) files[i] = stamped[i].second;
-  return result;
 }
 
 std::vector<Nanoseconds> assumed_stamps(std::size_t scans) {

@@ -42,9 +42,10 @@ struct NameStamps {
   std::vector<Nanoseconds> stamps;
   std::string unit;
 };
-/// Names such as 1567496784952532897.bin (ns), 1326030975726043.bin (us), 12.25.bin (s) and
-/// cloud_1583840211_83000000.pcd (s_ns). Small whole numbers one apart are numbers, not stamps.
-/// Sorts `files` by stamp.
+/// Names such as 1567496784952532897.bin (ns), 1326030975726043.bin (us), 12.25.bin (s),
+/// cloud_1583840211_83000000.pcd (s_ns), 2021-10-26-16-21-29-468.pcd (date and time, UTC) and
+/// any__1532402927647951.pcd.bin (a last number of 16 digits or more). Small whole numbers one
+/// apart are numbers, not stamps. Sorts `files` by stamp.
 [[nodiscard]] std::optional<NameStamps> stamps_from_names(
     std::vector<std::filesystem::path>& files);
 

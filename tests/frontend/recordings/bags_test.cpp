@@ -203,6 +203,23 @@ TEST_F(Bags, DisorderDuplicatesGapsAndUselessMessagesAreCounted) {
   EXPECT_THAT(notes(*recording), HasSubstr("1 messages are too short"));
 }
 
+// A sensor's clock that is set back would mix the stretches before and after.
+TEST_F(Bags, AClockThatIsSetBackIsBridged) {
+  std::vector<BagMessage> messages;
+  for (std::uint32_t i = 0; i < 20; ++i)
+    messages.push_back({100 + i, ros1_cloud(cloud_at(i < 10 ? 50 + i : 30 + i, 0))});
+  write_file(folder_ / "a.bag", make_bag(messages, "none", true));
+  const auto recording = open("a.bag");
+  ASSERT_EQ(recording->size(), 20U);
+  EXPECT_EQ(recording->info().duplicates, 0U);
+  EXPECT_EQ(recording->info().out_of_order, 0U);
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_EQ(recording->stamp(i), static_cast<Nanoseconds>(50 + i) * 1'000'000'000);
+    expect_two_points(recording->read(i));
+  }
+  EXPECT_THAT(notes(*recording), HasSubstr("clock was set back 1 time;"));
+}
+
 TEST_F(Bags, TimesOfRecordingStandInForConstantHeaders) {
   write_file(
       folder_ / "a.bag",

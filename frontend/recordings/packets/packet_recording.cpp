@@ -1,0 +1,369 @@
+#include "frontend/recordings/packets/packet_recording.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "frontend/core/error.hpp"
+#include "frontend/core/files.hpp"
+#include "frontend/recordings/packets/ouster_metadata.hpp"
+#include "frontend/recordings/packets/packet_decoder.hpp"
+#include "frontend/recordings/packets/sensor_clock.hpp"
+#include "frontend/recordings/source_tools.hpp"
+
+namespace groundloop::recordings {
+namespace fs = std::filesystem;
+
+namespace {
+
+// A step of the head back by less than this share of a turn is a packet that came late.
+constexpr double kLateShare = 0.1;
+// Without packets for so long, the turn is over.
+constexpr Nanoseconds kSilence = 50'000'000;
+// No scan is longer, whatever the azimuths say: packets, and nanoseconds.
+constexpr std::size_t kMostPackets = 8192;
+constexpr Nanoseconds kLongestScan = 1'000'000'000;
+// A turn of which less was seen is not whole.
+constexpr double kWhole = 0.9;
+
+constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+
+// Where a scan begins.
+struct Start {
+  PacketPlace place;
+  std::size_t block = 0;
+  Nanoseconds time = 0;  // from the first packet
+  double share = 0.0;    // of a turn that the scan holds
+};
+
+// The phase at which turns are cut: the middle of the widest sector that is never measured, so that
+// a sensor whose field of view is a part of the turn sees it whole; 0 where all is measured.
+class CutFinder {
+ public:
+  void add(const PacketDecoder& decoder, const Packet& packet) {
+    for (std::size_t block = 0; block < decoder.blocks(); ++block)
+      seen_[static_cast<std::size_t>(decoder.phase(packet.bytes, block) * kBins) % kBins] = true;
+  }
+  [[nodiscard]] double phase() const {
+    std::size_t widest = 0, end = 0, run = 0;
+    for (std::size_t i = 0; i < 2 * kBins; ++i) {
+      run = seen_[i % kBins] ? 0 : run + 1;
+      if (run > widest && run <= kBins) {
+        widest = run;
+        end = i;
+      }
+    }
+    if (widest < kFewestUnseen) return 0.0;
+    return std::fmod((static_cast<double>(end) + 1.0 - 0.5 * static_cast<double>(widest)) / kBins,
+                     1.0);
+  }
+
+ private:
+  static constexpr std::size_t kBins = 360, kFewestUnseen = 15;
+  std::array<bool, kBins> seen_{};
+};
+
+// Finds the turns in a stream of packets.
+class TurnFinder {
+ public:
+  TurnFinder(const PacketDecoder& decoder, double cut)
+      : decoder_(decoder), cut_(cut), clock_(decoder.clock_period()) {}
+
+  void add(const Packet& packet) {
+    const Nanoseconds time = clock_.advance(decoder_.clock(packet.bytes), packet.arrival);
+    const bool first = starts_.empty();
+    const std::size_t turns = starts_.size();
+    ++packets_;
+    const bool silence = clock_.last_step() > kSilence;
+    for (std::size_t block = 0; block < decoder_.blocks(); ++block) {
+      const Nanoseconds at = time + decoder_.block_time(packet.bytes, block);
+      double phase = decoder_.phase(packet.bytes, block) - cut_;
+      if (phase < 0.0) phase += 1.0;
+      double step = phase - phase_;
+      if (step < 0.0) step += 1.0;
+      const bool late = !starts_.empty() && !silence && step > 1.0 - kLateShare;
+      if (late) continue;
+      const bool turn_ends = starts_.empty() || phase < phase_ || (silence && block == 0) ||
+                             packets_ > kMostPackets || at - starts_.back().time > kLongestScan;
+      if (turn_ends) {
+        starts_.push_back({packet.place, block, at, 0.0});
+        packets_ = 0;
+      } else {
+        starts_.back().share += step;
+      }
+      phase_ = phase;
+    }
+    // Between turns a sensor may be silent without having lost anything.
+    if (first || starts_.size() > turns) return;
+    steps_.push_back(clock_.last_step());
+    if (steps_.size() >= kSteps) count_lost();
+  }
+
+  void finish() { count_lost(); }
+  std::vector<Start>& starts() { return starts_; }
+  const SensorClock& clock() const { return clock_; }
+  std::size_t lost() const { return lost_; }
+
+ private:
+  static constexpr std::size_t kSteps = 4096;
+
+  // Packets come evenly; where one is missing the step is twice as long.
+  void count_lost() {
+    if (steps_.empty()) return;
+    std::vector<Nanoseconds> sorted = steps_;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const auto usual = static_cast<double>(std::max<Nanoseconds>(*middle, 1));
+    for (const Nanoseconds step : steps_) {
+      const double times = static_cast<double>(step) / usual;
+      if (times > 1.75 && step < kLongestScan) lost_ += static_cast<std::size_t>(times - 0.5);
+    }
+    steps_.clear();
+  }
+
+  const PacketDecoder& decoder_;
+  double cut_;
+  SensorClock clock_;
+  double phase_ = 0.0;
+  std::size_t packets_ = 0, lost_ = 0;
+  std::vector<Start> starts_;
+  std::vector<Nanoseconds> steps_;
+};
+
+// What to do about packets that no decoder knows.
+std::string remedy(PacketBytes packet, bool has_metadata) {
+  const auto begins_with = [&](std::initializer_list<unsigned> bytes) {
+    return packet.size() > bytes.size() &&
+           std::equal(bytes.begin(), bytes.end(), packet.begin(),
+                      [](unsigned a, std::byte b) { return std::byte(a) == b; });
+  };
+  if (begins_with({0x55, 0xaa, 0x05}))
+    return "they are Robosense's, which are not decoded; convert them to PointCloud2 with "
+           "rslidar_sdk";
+  if (has_metadata) return "none is of the form that the Ouster metadata tell";
+  return "known are Velodyne's, Hesai's and Ouster's; the latter need the sensor's metadata: "
+         "--calibration FILE.json";
+}
+
+class PacketRecording final : public Recording {
+ public:
+  PacketRecording(PacketSource source, const RecordingOptions& options)
+      : source_(std::move(source)), options_(options) {
+    info_.path = source_.path;
+    info_.format = source_.format;
+    info_.notes = std::move(source_.notes);
+    find_decoder();
+    find_turns();
+    describe();
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  std::size_t size() const override { return starts_.size(); }
+  Nanoseconds stamp(std::size_t index) const override { return origin_ + starts_.at(index).time; }
+
+  Scan read(std::size_t index) override {
+    Scan scan;
+    scan.stamp = stamp(index);
+    const Start& begin = starts_[index];
+    const Start& end = index + 1 < starts_.size() ? starts_[index + 1] : end_;
+    SensorClock clock(decoder_->clock_period());
+    source_.stream->seek(begin.place);
+    Packet packet;
+    points_.clear();
+    Nanoseconds first_block = 0;
+    std::size_t packets = 0;
+    while (source_.stream->next(packet)) {
+      if (packet.place > end.place || (packet.place == end.place && end.block == 0)) break;
+      if (!is_ours(packet)) continue;
+      const bool first = packets++ == 0;
+      if (packets > 2 * kMostPackets) break;
+      const Nanoseconds time = clock.advance(decoder_->clock(packet.bytes), packet.arrival);
+      const std::size_t from = first ? begin.block : 0;
+      const std::size_t to = packet.place == end.place ? end.block : decoder_->blocks();
+      if (first) first_block = decoder_->block_time(packet.bytes, from);
+      const std::size_t before = points_.times.size();
+      decoder_->decode(packet.bytes, from, to, points_);
+      for (std::size_t i = before; i < points_.times.size(); ++i)
+        points_.times[i] += time - first_block;
+    }
+    take_points(scan);
+    require_points(scan, points_.points.size(),
+                   source_.stream->name() + ", scan at " + seconds_text(scan.stamp) + " s");
+    return scan;
+  }
+
+ private:
+  void find_decoder() {
+    constexpr std::size_t kTried = 5000, kMostSizes = 64;
+    std::map<std::size_t, std::size_t> sizes;
+    Packet packet;
+    std::size_t tried = 0;
+    std::vector<std::byte> commonest;
+    while (tried++ < kTried && source_.stream->next(packet)) {
+      if (sizes.size() >= kMostSizes) break;
+      if (sizes[packet.bytes.size()]++ > 0) continue;
+      if (packet.bytes.size() > commonest.size())
+        commonest.assign(packet.bytes.begin(), packet.bytes.end());
+      const DecoderSource from{packet.bytes, options_.calibration, source_.metadata,
+                               source_.stream->name()};
+      for (const auto make : {make_ouster_decoder, make_velodyne_decoder, make_hesai_decoder}) {
+        decoder_ = make(from);
+        if (!decoder_) continue;
+        flow_ = packet.flow;
+        return;
+      }
+    }
+    if (sizes.empty()) {
+      throw InputError(source_.stream->name() +
+                       ": holds no packet; is it a capture of a LiDAR's UDP traffic?");
+    }
+    std::string seen;
+    for (const auto& [size, count] : sizes)
+      seen += (seen.empty() ? "" : ", ") + std::to_string(count) + " of " + std::to_string(size);
+    throw InputError(
+        source_.stream->name() + ": its packets (" + seen +
+        " bytes) are of no known sensor: " + remedy(commonest, !source_.metadata.empty()));
+  }
+
+  bool is_ours(const Packet& packet) const {
+    return packet.flow == flow_ && decoder_->accepts(packet.bytes);
+  }
+
+  void find_turns() {
+    constexpr std::size_t kSurveyed = 4000;
+    CutFinder cut;
+    Packet packet;
+    source_.stream->seek({});
+    for (std::size_t i = 0; i < kSurveyed && source_.stream->next(packet); ++i) {
+      if (is_ours(packet)) cut.add(*decoder_, packet);
+    }
+    TurnFinder finder(*decoder_, cut.phase());
+    source_.stream->seek({});
+    const std::size_t broken_before = source_.stream->broken();
+    while (source_.stream->next(packet)) {
+      if (is_ours(packet)) {
+        finder.add(packet);
+      } else {
+        ++others_;
+      }
+    }
+    finder.finish();
+    broken_ = source_.stream->broken() - broken_before;
+    starts_ = std::move(finder.starts());
+    lost_ = finder.lost();
+    origin_ = finder.clock().origin();
+    synchronised_ = finder.clock().is_synchronised();
+    times_set_ = finder.clock().times_set();
+    leave_out_parts();
+    put_in_order();
+  }
+
+  // Recording begins and ends within a turn.
+  void leave_out_parts() {
+    if (starts_.size() < 3) return;
+    std::vector<double> shares;
+    for (const Start& start : starts_) shares.push_back(start.share);
+    const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+    std::nth_element(shares.begin(), middle, shares.end());
+    const double whole = kWhole * *middle;
+    std::size_t left_out = 0;
+    if (starts_.back().share < whole) {
+      end_ = starts_.back();
+      starts_.pop_back();
+      ++left_out;
+    }
+    if (starts_.front().share < whole) {
+      starts_.erase(starts_.begin());
+      ++left_out;
+    }
+    if (left_out == 0) return;
+    info_.dropped_scans += left_out;
+    info_.notes.push_back(left_out == 1
+                              ? "One turn at an end of the recording is not whole and left out."
+                              : "The first and the last turn are not whole and left out.");
+  }
+
+  // Stamps grow; a clock that went back a little makes one scan of two.
+  void put_in_order() {
+    for (std::size_t i = 1; i < starts_.size();) {
+      if (starts_[i].time > starts_[i - 1].time) {
+        ++i;
+        continue;
+      }
+      starts_.erase(starts_.begin() + static_cast<std::ptrdiff_t>(i));
+      ++info_.out_of_order;
+    }
+  }
+
+  void describe() {
+    info_.sensor = decoder_->sensor();
+    info_.attributes = decoder_->attributes();
+    info_.fields = {"x", "y", "z"};
+    const AttributeSet has = info_.attributes;
+    if (has.intensity) info_.fields.emplace_back("intensity");
+    if (has.reflectivity) info_.fields.emplace_back("reflectivity");
+    if (has.ring) info_.fields.emplace_back("ring");
+    if (has.return_number) info_.fields.emplace_back("return_number");
+    info_.point_times = "the sensor's clock at each shot, from the first one of each turn";
+    info_.stamp_source = synchronised_ ? "the sensor's clock, which agrees with the recorder's"
+                                       : "the sensor's clock, set by when packets arrived";
+    info_.notes.push_back(decoder_->calibration());
+    std::vector<Nanoseconds> stamps;
+    for (std::size_t i = 0; i < size(); ++i) stamps.push_back(stamp(i));
+    info_.gaps = count_gaps(stamps);
+    const auto note = [&](std::size_t count, const std::string& what) {
+      if (count > 0) info_.notes.push_back(std::to_string(count) + " " + what);
+    };
+    note(lost_, "packets are missing, as gaps in the sensor's clock tell.");
+    note(others_, "packets of other kinds or sensors (position, IMU) are passed over.");
+    note(broken_, "messages or packets are cut off or broken and left out.");
+    note(times_set_, "times the sensor's clock was set; the packets' arrival bridges it.");
+  }
+
+  void take_points(Scan& scan) {
+    const AttributeSet wanted = options_.attributes & info_.attributes;
+    std::vector<std::uint32_t> kept;
+    for (std::size_t i = 0; i < points_.points.size(); ++i) {
+      const Eigen::Vector3f& p = points_.points[i];
+      const bool near = std::llabs(points_.times[i]) < 2 * kLongestScan;
+      if (is_return(p.x(), p.y(), p.z()) && near) kept.push_back(static_cast<std::uint32_t>(i));
+    }
+    for (const std::uint32_t i : kept) {
+      scan.points.push_back(points_.points[i]);
+      scan.times.push_back(static_cast<float>(1e-9 * static_cast<double>(points_.times[i])));
+    }
+    const auto take = [&](bool want, const auto& from, auto& to) {
+      if (!want) return;
+      for (const std::uint32_t i : kept) to.push_back(from[i]);
+    };
+    const PointAttributes& from = points_.attributes;
+    PointAttributes& to = scan.attributes;
+    take(wanted.intensity, from.intensity, to.intensity);
+    take(wanted.reflectivity, from.reflectivity, to.reflectivity);
+    take(wanted.ring, from.ring, to.ring);
+    take(wanted.return_number, from.return_number, to.return_number);
+  }
+
+  PacketSource source_;
+  RecordingOptions options_;
+  RecordingInfo info_;
+  std::unique_ptr<PacketDecoder> decoder_;
+  std::vector<Start> starts_;
+  Start end_{{kNowhere, kNowhere}, 0, 0, 0.0};  // of the last one
+  std::uint64_t flow_ = 0;
+  Nanoseconds origin_ = 0;
+  bool synchronised_ = false;
+  std::size_t lost_ = 0, others_ = 0, broken_ = 0, times_set_ = 0;
+  PacketPoints points_;
+};
+
+}  // namespace
+
+std::unique_ptr<Recording> make_packet_recording(PacketSource source,
+                                                 const RecordingOptions& options) {
+  return std::make_unique<PacketRecording>(std::move(source), options);
+}
+
+}  // namespace groundloop::recordings
