@@ -96,7 +96,10 @@ std::string stem_of(const fs::path& file) {
 
 // Nanoseconds a unit of whole-number names; 0 where they count scans.
 Nanoseconds unit_of_names(const std::vector<std::int64_t>& values) {
-  const std::int64_t last = *std::max_element(values.begin(), values.end());
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  const std::int64_t first = *least, last = *most;
+  // Numbers of an epoch's clock are all about as large.
+  if (last >= 100'000'000'000 && first < last / 2) return 0;
   if (last >= 100'000'000'000'000'000) return 1;  // 17 and more digits: epoch in ns
   if (last >= 100'000'000'000'000) return 1'000;  // epoch in us
   if (last >= 100'000'000'000) return 1'000'000;  // epoch in ms
@@ -117,6 +120,7 @@ std::optional<std::int64_t> numeric_stem(const fs::path& file) {
 std::optional<NameStamps> stamps_from_names(std::vector<fs::path>& files) {
   NameStamps result;
   std::vector<std::int64_t> whole;
+  std::size_t trailing = 0;
   std::vector<std::pair<Nanoseconds, fs::path>> stamped;
   for (const fs::path& file : files) {
     const std::string stem = stem_of(file);
@@ -133,14 +137,16 @@ std::optional<NameStamps> stamps_from_names(std::vector<fs::path>& files) {
     } else if (const auto date = date_and_time(stem)) {
       stamped.emplace_back(*date, file);
       result.unit = "date and time";
-    } else if (const auto trailing = trailing_stamp(stem)) {
-      whole.push_back(*trailing);
+    } else if (const auto last = trailing_stamp(stem)) {
+      whole.push_back(*last);
+      ++trailing;
     } else {
       return std::nullopt;
     }
   }
   if (!whole.empty()) {
-    if (!stamped.empty()) return std::nullopt;  // two kinds of names
+    // Names of two kinds are no stamps of one recording.
+    if (!stamped.empty() || (trailing > 0 && trailing < whole.size())) return std::nullopt;
     const Nanoseconds unit = unit_of_names(whole);
     if (unit == 0) return std::nullopt;
     for (std::size_t i = 0; i < whole.size(); ++i) {

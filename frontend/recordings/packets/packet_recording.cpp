@@ -30,12 +30,17 @@ constexpr double kWhole = 0.9;
 
 constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
-// Where a scan begins.
-struct Start {
-  PacketPlace place;
+// A block of a packet.
+struct BlockPlace {
+  PacketPlace packet;
   std::size_t block = 0;
+};
+
+// A scan: blocks from `begin` on, up to `end`, which is the next one's.
+struct Turn {
+  BlockPlace begin, end{{kNowhere, kNowhere}, 0};
   Nanoseconds time = 0;  // from the first packet
-  double share = 0.0;    // of a turn that the scan holds
+  double share = 0.0;    // of a whole turn
 };
 
 // The phase at which turns are cut: the middle of the widest sector that is never measured, so that
@@ -73,41 +78,51 @@ class TurnFinder {
 
   void add(const Packet& packet) {
     const Nanoseconds time = clock_.advance(decoder_.clock(packet.bytes), packet.arrival);
-    const bool first = starts_.empty();
-    const std::size_t turns = starts_.size();
+    const bool first = turns_.empty();
+    const std::size_t turns = turns_.size();
     ++packets_;
-    const bool silence = clock_.last_step() > kSilence;
+    const bool silence = !first && clock_.last_step() > kSilence;
+    // A packet may be filled with what is measured after a silence, of which it knows no time: the
+    // turn begins with the next one.
+    if (silence && packets_ == 1) begin(turns_.back(), packet, 0, time);
+    const bool ended = silence && packets_ != 1;
     for (std::size_t block = 0; block < decoder_.blocks(); ++block) {
       const Nanoseconds at = time + decoder_.block_time(packet.bytes, block);
       double phase = decoder_.phase(packet.bytes, block) - cut_;
       if (phase < 0.0) phase += 1.0;
       double step = phase - phase_;
       if (step < 0.0) step += 1.0;
-      const bool late = !starts_.empty() && !silence && step > 1.0 - kLateShare;
+      const bool late = !first && !silence && step > 1.0 - kLateShare;
       if (late) continue;
-      const bool turn_ends = starts_.empty() || phase < phase_ || (silence && block == 0) ||
-                             packets_ > kMostPackets || at - starts_.back().time > kLongestScan;
-      if (turn_ends) {
-        starts_.push_back({packet.place, block, at, 0.0});
+      if (turns_.empty() || phase < phase_ || (ended && block == 0) || packets_ > kMostPackets ||
+          at - turns_.back().time > kLongestScan) {
+        if (!turns_.empty()) turns_.back().end = {packet.place, block};
+        turns_.emplace_back();
+        begin(turns_.back(), packet, block, time);
         packets_ = 0;
       } else {
-        starts_.back().share += step;
+        turns_.back().share += step;
       }
       phase_ = phase;
     }
     // Between turns a sensor may be silent without having lost anything.
-    if (first || starts_.size() > turns) return;
+    if (first || silence || turns_.size() > turns) return;
     steps_.push_back(clock_.last_step());
     if (steps_.size() >= kSteps) count_lost();
   }
 
   void finish() { count_lost(); }
-  std::vector<Start>& starts() { return starts_; }
+  std::vector<Turn>& turns() { return turns_; }
   const SensorClock& clock() const { return clock_; }
   std::size_t lost() const { return lost_; }
 
  private:
   static constexpr std::size_t kSteps = 4096;
+
+  void begin(Turn& turn, const Packet& packet, std::size_t block, Nanoseconds time) const {
+    turn.begin = {packet.place, block};
+    turn.time = time + decoder_.block_time(packet.bytes, block);
+  }
 
   // Packets come evenly; where one is missing the step is twice as long.
   void count_lost() {
@@ -128,7 +143,7 @@ class TurnFinder {
   SensorClock clock_;
   double phase_ = 0.0;
   std::size_t packets_ = 0, lost_ = 0;
-  std::vector<Start> starts_;
+  std::vector<Turn> turns_;
   std::vector<Nanoseconds> steps_;
 };
 
@@ -160,28 +175,28 @@ class PacketRecording final : public Recording {
   }
 
   const RecordingInfo& info() const override { return info_; }
-  std::size_t size() const override { return starts_.size(); }
-  Nanoseconds stamp(std::size_t index) const override { return origin_ + starts_.at(index).time; }
+  std::size_t size() const override { return turns_.size(); }
+  Nanoseconds stamp(std::size_t index) const override { return origin_ + turns_.at(index).time; }
 
   Scan read(std::size_t index) override {
     Scan scan;
     scan.stamp = stamp(index);
-    const Start& begin = starts_[index];
-    const Start& end = index + 1 < starts_.size() ? starts_[index + 1] : end_;
+    const BlockPlace& begin = turns_[index].begin;
+    const BlockPlace& end = turns_[index].end;
     SensorClock clock(decoder_->clock_period());
-    source_.stream->seek(begin.place);
+    source_.stream->seek(begin.packet);
     Packet packet;
     points_.clear();
     Nanoseconds first_block = 0;
     std::size_t packets = 0;
     while (source_.stream->next(packet)) {
-      if (packet.place > end.place || (packet.place == end.place && end.block == 0)) break;
+      if (packet.place > end.packet || (packet.place == end.packet && end.block == 0)) break;
       if (!is_ours(packet)) continue;
       const bool first = packets++ == 0;
       if (packets > 2 * kMostPackets) break;
       const Nanoseconds time = clock.advance(decoder_->clock(packet.bytes), packet.arrival);
       const std::size_t from = first ? begin.block : 0;
-      const std::size_t to = packet.place == end.place ? end.block : decoder_->blocks();
+      const std::size_t to = packet.place == end.packet ? end.block : decoder_->blocks();
       if (first) first_block = decoder_->block_time(packet.bytes, from);
       const std::size_t before = points_.times.size();
       decoder_->decode(packet.bytes, from, to, points_);
@@ -251,7 +266,7 @@ class PacketRecording final : public Recording {
     }
     finder.finish();
     broken_ = source_.stream->broken() - broken_before;
-    starts_ = std::move(finder.starts());
+    turns_ = std::move(finder.turns());
     lost_ = finder.lost();
     origin_ = finder.clock().origin();
     synchronised_ = finder.clock().is_synchronised();
@@ -262,20 +277,19 @@ class PacketRecording final : public Recording {
 
   // Recording begins and ends within a turn.
   void leave_out_parts() {
-    if (starts_.size() < 3) return;
+    if (turns_.size() < 3) return;
     std::vector<double> shares;
-    for (const Start& start : starts_) shares.push_back(start.share);
+    for (const Turn& turn : turns_) shares.push_back(turn.share);
     const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
     std::nth_element(shares.begin(), middle, shares.end());
     const double whole = kWhole * *middle;
     std::size_t left_out = 0;
-    if (starts_.back().share < whole) {
-      end_ = starts_.back();
-      starts_.pop_back();
+    if (turns_.back().share < whole) {
+      turns_.pop_back();
       ++left_out;
     }
-    if (starts_.front().share < whole) {
-      starts_.erase(starts_.begin());
+    if (turns_.front().share < whole) {
+      turns_.erase(turns_.begin());
       ++left_out;
     }
     if (left_out == 0) return;
@@ -287,12 +301,13 @@ class PacketRecording final : public Recording {
 
   // Stamps grow; a clock that went back a little makes one scan of two.
   void put_in_order() {
-    for (std::size_t i = 1; i < starts_.size();) {
-      if (starts_[i].time > starts_[i - 1].time) {
+    for (std::size_t i = 1; i < turns_.size();) {
+      if (turns_[i].time > turns_[i - 1].time) {
         ++i;
         continue;
       }
-      starts_.erase(starts_.begin() + static_cast<std::ptrdiff_t>(i));
+      turns_[i - 1].end = turns_[i].end;
+      turns_.erase(turns_.begin() + static_cast<std::ptrdiff_t>(i));
       ++info_.out_of_order;
     }
   }
@@ -350,8 +365,7 @@ class PacketRecording final : public Recording {
   RecordingOptions options_;
   RecordingInfo info_;
   std::unique_ptr<PacketDecoder> decoder_;
-  std::vector<Start> starts_;
-  Start end_{{kNowhere, kNowhere}, 0, 0, 0.0};  // of the last one
+  std::vector<Turn> turns_;
   std::uint64_t flow_ = 0;
   Nanoseconds origin_ = 0;
   bool synchronised_ = false;

@@ -158,7 +158,9 @@ TEST(NameStamps, NumbersAndImpossibleDatesAreNone) {
   for (const auto& names :
        std::vector<std::vector<std::string>>{{"scan0.bin", "scan1.bin"},
                                              {"2021-13-26-16-21-29.pcd", "2021-13-26-16-21-30.pcd"},
-                                             {"2021-10-26-16-21-29.pcd", "scan.pcd"}}) {
+                                             {"2021-10-26-16-21-29.pcd", "scan.pcd"},
+                                             {"000001.bin", "a__1532402927647951.bin"},
+                                             {"000001.bin", "1532402927647951.bin"}}) {
     std::vector<fs::path> files(names.begin(), names.end());
     EXPECT_FALSE(recordings::stamps_from_names(files)) << names.front();
   }

@@ -377,6 +377,34 @@ TEST_F(Packets, MissingAndLateOnesAreCountedAndSurvived) {
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("packets are missing")));
 }
 
+// A sensor that measures half of its turn, from 270 to 90 degrees: one scan a turn, not two that
+// meet at azimuth 0. The packet at the end is filled with the beginning of the next turn, which was
+// measured 50 ms after the time that it tells.
+TEST_F(Packets, OfAPartOfTheTurnMakeOneScanATurn) {
+  std::vector<StampedPacket> packets;
+  for (std::uint32_t turn = 0; turn < 4; ++turn) {
+    for (std::uint32_t i = 0; i < 38; ++i) {
+      VelodynePacket packet =
+          turning(0x22, static_cast<std::uint16_t>((27000 + 480 * i) % 36000), 40, 1);
+      for (std::size_t block = 6; i == 37 && block < 12; ++block)
+        packet.azimuths[block] = static_cast<std::uint16_t>(27000 + 40 * (block - 6));
+      for (int block = 0; block < 12; ++block) packet.echoes[{block, 1}] = {5000, 1};
+      packet.microseconds = 1'000'000 + 100'000 * turn + 1'327 * i;
+      packets.push_back({1'600'000'000, 1000 * (packet.microseconds - 1'000'000), packet.bytes()});
+    }
+  }
+  write_file(folder_ / "a.bag", bag_of(packets));
+  const auto recording = open("a.bag");
+  ASSERT_EQ(recording->size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(recording->stamp(i) - recording->stamp(0), static_cast<Nanoseconds>(100'000'000 * i));
+    const Scan scan = recording->read(i);
+    EXPECT_EQ(scan.points.size(), 37U * 12 + 6);
+    EXPECT_LT(scan.times.back(), 0.051F);
+  }
+  EXPECT_THAT(recording->info().notes, ::testing::Not(Contains(HasSubstr("missing"))));
+}
+
 TEST_F(Packets, AClockThatIsSetBackMixesNothing) {
   std::vector<StampedPacket> packets = three_turns();
   for (std::size_t i = 110; i < packets.size(); ++i) {
