@@ -24,7 +24,7 @@ std::uint64_t changes_of(const std::string& target) {
   }
   for (const char* larger :
        {"checkpoint", "session", "folder", "front_end", "helipr", "kitti", "kitti_raw", "mulran",
-        "nclt", "rosbag", "rosbag2", "mcap", "trajectory"}) {
+        "nclt", "pcap", "rosbag", "rosbag2", "mcap", "trajectory"}) {
     if (target == larger) return 400;
   }
   return 3000;

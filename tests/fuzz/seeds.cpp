@@ -17,6 +17,7 @@
 #include "tests/fuzz/scratch_folder.hpp"
 #include "tests/fuzz/targets/run_states.hpp"
 #include "tests/support/bag_bytes.hpp"
+#include "tests/support/packet_bytes.hpp"
 
 namespace groundloop::fuzz {
 namespace fs = std::filesystem;
@@ -218,6 +219,49 @@ Seeds rosbag_seeds() {
       seeds.push_back(file_bundle("a.bag", testing::make_bag(messages, compression, indexed)));
   }
   return seeds;
+}
+
+std::string velodyne_packet(std::uint16_t azimuth) {
+  testing::VelodynePacket packet;
+  for (std::size_t block = 0; block < 12; ++block) {
+    packet.azimuths[block] = static_cast<std::uint16_t>((azimuth + 40 * block) % 36000);
+    packet.echoes[{static_cast<int>(block), 3}] = {5000, 9};
+  }
+  packet.microseconds = 1333U * (azimuth / 480U);
+  return packet.bytes();
+}
+
+Seeds packet_seeds() {
+  std::string xt32("\xee\xff\6\1\0\0\x20\x8\1\4\1\1", 12);
+  xt32.resize(1080, '\1');
+  return {'\0' + velodyne_packet(0), '\1' + xt32,
+          '\2' + Bytes()
+                     .put<std::uint32_t>(1)
+                     .put<std::uint64_t>(9)
+                     .counted<std::uint32_t>("livox")
+                     .put<std::uint64_t>(9)
+                     .put<std::uint32_t>(1)
+                     .put<std::uint32_t>(0)
+                     .put<std::uint32_t>(1)
+                     .put<std::uint32_t>(0)
+                     .floats(1, 2, 3)
+                     .put<std::uint32_t>(7)
+                     .str()};
+}
+
+Seeds pcap_seeds() {
+  std::string capture = testing::pcap_header();
+  for (std::uint16_t i = 0; i < 100; ++i) {
+    const std::string datagram =
+        testing::udp(velodyne_packet(static_cast<std::uint16_t>(480U * i % 36000U)));
+    capture += testing::pcap_record(9, 1333U * i,
+                                    testing::ethernet_frame(datagram.substr(0, 800), i, 0, true));
+    capture += testing::pcap_record(9, 1333U * i,
+                                    testing::ethernet_frame(datagram.substr(800), i, 800, false));
+  }
+  return {join_bundle({{"a.pcap", capture},
+                       {"a.json", R"({"beam_altitude_angles": [10], "beam_azimuth_angles": [0],)"
+                                  R"("lidar_mode": "512x10"})"}})};
 }
 
 Seeds mcap_seeds() {
@@ -433,6 +477,8 @@ const std::map<std::string, std::function<Seeds()>>& makers() {
       {"mulran", [] { return Seeds{in_layout("mulran")}; }},
       {"nclt", nclt_seeds},
       {"optimize", [] { return with_session_files({"pose_graph.g2o"}); }},
+      {"packets", packet_seeds},
+      {"pcap", pcap_seeds},
       {"pcd", pcd_seeds},
       {"ply", ply_seeds},
       {"point_layout", point_layout_seeds},
