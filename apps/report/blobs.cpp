@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 
 #include <zlib.h>
 
@@ -33,6 +34,7 @@ std::vector<std::byte> deflate_bytes(std::span<const std::byte> bytes) {
   const int result = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                                reinterpret_cast<const Bytef*>(bytes.data()),
                                static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION);
+  if (result == Z_MEM_ERROR) throw std::bad_alloc();
   check(result == Z_OK, "an array in memory can be deflated");
   packed.resize(size);
   return packed;
