@@ -330,12 +330,12 @@ def sessions(desk):
             change(broken / name)
             row(f"{name} {how}, merged", "merge", "damaged", "other", "--out", "x")
             remove(broken)
-    for what, text, by in (("of format 1", '"session_format": 2', '"session_format": 1'), ("of a format to come", '"session_format": 2', '"session_format": 99')):
+    for what, number in (("of format 1", 1), ("of a format to come", 99)):
         broken = desk.copy("session", "damaged")
-        manifest = (broken / "manifest.json").read_text()
-        if text not in manifest:
+        manifest, changes = re.subn(r'"session_format": \d+', f'"session_format": {number}', (broken / "manifest.json").read_text())
+        if changes != 1:
             sys.exit("the manifest's format is written otherwise")
-        (broken / "manifest.json").write_text(manifest.replace(text, by))
+        (broken / "manifest.json").write_text(manifest)
         row(f"session {what}", "merge", "damaged", "other", "--out", "x")
         remove(broken)
 
