@@ -20,6 +20,8 @@ constexpr double kPruneDistance = 5.0;
 constexpr double kCoarseTranslation = 1e-2, kCoarseRotation = 1e-3;
 // Neighbours are searched no farther than two voxels; a wider kernel has nothing more to weigh.
 constexpr double kCoarseVoxels = 2.0;
+// Over a gap the velocity is tried for so long, s.
+constexpr double kLongestCoast = 5.0;
 // Share of a scan in the running mean of how many voxels scans fill.
 constexpr double kUsualGain = 0.05;
 // Scans that a sensor is taken to swing on for after its velocity changed: it rests at the turning
@@ -40,7 +42,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 Odometry::Odometry(const OdometryOptions& options)
     : options_(options),
       map_(static_cast<float>(options.voxel_size)),
-      search_({options.search_scale, radians(options.search_turn_deg), options.search_poor},
+      search_({options.search_scale, radians(options.search_turn_deg), options.search_poor,
+               options.search_better},
               options.voxel_size),
       threshold_(options.initial_threshold, options.min_motion) {}
 
@@ -165,7 +168,7 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
 
 void Odometry::insert(const Points& map_points) {
   map_.insert(map_points, T_world_middle_);
-  if (searches()) search_.insert(map_points, T_world_middle_);
+  if (options_.search_scale > 0.0) search_.insert(map_points, T_world_middle_);
   const Eigen::Vector3d& position = T_world_middle_.translation;
   if ((position - pruned_at_).norm() <= kPruneDistance) return;
   const auto distance = static_cast<float>(options_.max_range);
@@ -207,12 +210,23 @@ bool Odometry::poor(std::size_t points, std::size_t voxels, const std::string& n
   return true;
 }
 
-Pose Odometry::start_of_registration(const Points& source, const Points& map_points,
-                                     const Pose& guess) {
-  if (!searches()) return guess;
-  return search_.find(map_, source, map_points,
-                      {guess, T_world_middle_ * exp_se3(last_step_), T_world_middle_},
-                      T_world_middle_, coarse_kernel());
+ScanRegistration Odometry::register_to_map(const SweepPoints& source,
+                                           const SweepPoints& fine_source, const Points& map_points,
+                                           const Pose& guess, double step) {
+  const RegistrationKernel coarse_settings = coarse_kernel(), fine_settings = fine_kernel();
+  const PoseSearch::Stages stages{
+      [&](const Pose& start) { return register_scan(map_, source, start, coarse_settings); },
+      [&](const Pose& start) {
+        return options_.second_registration ? register_scan(map_, fine_source, start, fine_settings)
+                                            : register_scan(map_, source, start, coarse_settings);
+      }};
+  if (options_.search_scale <= 0.0 || scans_ == 0) return stages.fine(stages.coarse(guess).pose);
+  // The last step, however long it took; no motion; and the velocity kept through a gap.
+  std::vector<Pose> others{T_world_middle_ * exp_se3(last_step_), T_world_middle_};
+  if (step > options_.max_gap)
+    others.push_back(T_world_middle_ * exp_se3(std::min(step, kLongestCoast) * twist_));
+  return search_.find(stages, map_, source.points, map_points, guess, others, T_world_middle_,
+                      coarse_settings);
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
@@ -236,15 +250,11 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     result.seconds = seconds_since(start);
     return result;
   }
-  const Pose begin = start_of_registration(source.points, deskewed.map_points, guess);
-  const ScanRegistration coarse = register_scan(map_, source, begin, coarse_kernel());
   const SweepPoints fine_source{downsampler_(deskewed.map_points, voxel), {}};
-  const ScanRegistration fine = options_.second_registration
-                                    ? register_scan(map_, fine_source, coarse.pose, fine_kernel())
-                                    : coarse;
+  const ScanRegistration fine =
+      register_to_map(source, fine_source, deskewed.map_points, guess, step);
 
   Pose pose = fine.pose;
-  if (searches()) search_.learn(map_, source.points, pose);
   // What a gap brings says nothing of the steps after it.
   if (followed) learn_deviation(guess, pose);
   last_step_ = scans_ > 0 ? log_se3(T_world_middle_.inverse() * pose) : Vector6d::Zero();
@@ -256,8 +266,6 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     } else {
       turn_rate_.reset();
     }
-  } else if (scans_ > 0 && step > options_.max_gap) {
-    motion.velocity = last_step_ / step;
   }
   twist_ = motion.velocity;
   T_world_middle_ = pose;
@@ -274,7 +282,7 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
   }
   result.registration_points = source.points.size() + fine_source.points.size();
-  result.iterations = coarse.iterations + fine.iterations;
+  result.iterations = fine.iterations;
   result.registration = fine;
   result.deviation = guess.inverse() * pose;
   result.seconds = seconds_since(start);
@@ -323,6 +331,7 @@ void Odometry::load(std::istream& in) {
   map_.load(in);
   search_.load(in);
   const bool finite = T_world_middle_.translation.allFinite() && twist_.allFinite() &&
+                      last_step_.allFinite() &&
                       std::abs(T_world_middle_.rotation.norm() - 1.0) < 1e-6;
   if (!finite) in.setstate(std::ios::failbit);
 }

@@ -10,8 +10,8 @@
 // old one: half a degree to a degree off at the ends of a sweep. Such a scan is registered again
 // with its turn over the sweep as a further unknown, and deskewed by what was found.
 //
-// Where constant velocity does not lead, registration begins at another prediction or is led by a
-// wider map (pose_search.hpp); a scan that cannot be registered is predicted.
+// A scan that fits the map poorly is registered again from other starts (pose_search.hpp); one that
+// cannot be registered is predicted.
 //
 // Unlike KISS-ICP, which registers points to points, points are registered to the planes of the
 // map, and what has no plane counts little: the nearest neighbours of scan lines are scan lines,
@@ -56,7 +56,8 @@ struct OdometryOptions {
   bool second_registration = true;
   double search_scale = 5.0;
   double search_turn_deg = 8.0;
-  double search_poor = 1.3;
+  double search_poor = 1.11;
+  double search_better = 1.1;
 
   template <typename Self, typename Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -102,14 +103,16 @@ struct OdometryOptions {
         "that of a sensor that swings: its turn is measured within the sweep too");
     field("second_registration", self.second_registration, OnOff{}, "",
           "off, the first registration is the last, as in KISS-ICP");
-    field(
-        "search_scale", self.search_scale, Range{0.0, 100.0}, "voxel_size",
-        "voxels of the wide map that a scan is brought near by where no prediction fits; 0: begin "
-        "where constant velocity leads, as KISS-ICP");
+    field("search_scale", self.search_scale, Range{0.0, 100.0}, "voxel_size",
+          "voxels of the wide map that a scan is brought near by where it fits the map poorly; 0: "
+          "only constant velocity leads, as in KISS-ICP");
     field("search_turn_deg", self.search_turn_deg, Range{0.0, 90.0}, "degrees",
           "turns of the last pose that are tried where the wide map does not do; 0: none");
     field("search_poor", self.search_poor, Range{1.0, 100.0}, "",
-          "a start that is this many times as far from the map as registered scans is a poor one");
+          "a registered scan that lies this many times as far from the map as usual fits poorly: "
+          "other starts are tried");
+    field("search_better", self.search_better, Range{1.0, 100.0}, "",
+          "by so much the outcome of another start must be nearer to the map to be taken");
   }
 };
 
@@ -168,9 +171,10 @@ class Odometry {
   // Whether a scan of so many points, which fill so many voxels, cannot be registered.
   [[nodiscard]] bool poor(std::size_t points, std::size_t voxels, const std::string& name);
   RegisteredScan predicted(const Pose& guess, const Sweep& sweep);
-  [[nodiscard]] bool searches() const { return options_.search_scale > 0.0; }
-  [[nodiscard]] Pose start_of_registration(const Points& source, const Points& map_points,
-                                           const Pose& guess);
+  [[nodiscard]] ScanRegistration register_to_map(const SweepPoints& source,
+                                                 const SweepPoints& fine_source,
+                                                 const Points& map_points, const Pose& guess,
+                                                 double step);
   void learn_deviation(const Pose& guess, const Pose& registered);
   // Whether the sensor swings, now that its mean velocity since the last scan is `velocity`.
   [[nodiscard]] bool swings(const Sweep& sweep, const Vector6d& velocity);

@@ -1,7 +1,7 @@
 #include "frontend/odometry/pose_search.hpp"
 
+#include <algorithm>
 #include <istream>
-#include <limits>
 #include <ostream>
 
 #include "frontend/core/binary_io.hpp"
@@ -9,74 +9,73 @@
 namespace groundloop {
 namespace {
 
-// Weight of the newest scan in the running mean.
-constexpr double kGain = 0.1;
+// Weight of the newest scan in the running mean, once it has settled.
+constexpr double kGain = 0.05;
 // The wide registration only has to come near.
 constexpr int kWideIterations = 50;
-
-// Keeps the best of the poses it is shown.
-class Best {
- public:
-  Best(const VoxelMap& map, const Points& source, double limit)
-      : map_(map), source_(source), limit_(limit) {}
-  void consider(const Pose& pose) {
-    const double distance = mean_distance(map_, source_, pose, limit_);
-    if (distance >= distance_) return;
-    distance_ = distance;
-    pose_ = pose;
-  }
-  [[nodiscard]] double distance() const { return distance_; }
-  [[nodiscard]] const Pose& pose() const { return pose_; }
-
- private:
-  const VoxelMap& map_;
-  const Points& source_;
-  double limit_;
-  double distance_ = std::numeric_limits<double>::infinity();
-  Pose pose_;
-};
+// Starts this near to each other end alike, voxels and rad.
+constexpr double kSameVoxels = 0.1, kSameTurn = 0.005;
 
 }  // namespace
 
 PoseSearch::PoseSearch(const Options& options, double voxel_size)
     : options_(options),
       voxel_size_(voxel_size),
-      wide_map_(static_cast<float>(options.scale * voxel_size)) {}
+      wide_map_(static_cast<float>(std::max(1.0, options.scale) * voxel_size)) {}
 
-Pose PoseSearch::find(const VoxelMap& map, const Points& source, const Points& map_points,
-                      const std::vector<Pose>& predictions, const Pose& last,
-                      const RegistrationKernel& kernel) {
-  if (map.empty() || source.empty()) return predictions.front();
-  Best best(map, source, voxel_size_);
-  for (const Pose& pose : predictions) best.consider(pose);
-  const double good = options_.poor * usual_;
-  if (best.distance() < good) return best.pose();
-
-  const SweepPoints wide{
-      downsampler_(map_points, 1.5F * static_cast<float>(options_.scale * voxel_size_)), {}};
-  RegistrationKernel wide_kernel = kernel;
-  wide_kernel.max_iterations = kWideIterations;
-  const auto register_wide = [&](const Pose& start) {
-    best.consider(register_scan(wide_map_, wide, start, wide_kernel).pose);
+ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, const Points& source,
+                                  const Points& map_points, const Pose& guess,
+                                  const std::vector<Pose>& others, const Pose& last,
+                                  const RegistrationKernel& kernel) {
+  // Where registrations began and came to: from near there another leads to the same place.
+  std::vector<Pose> visited{guess, stages.coarse(guess).pose};
+  ScanRegistration best = stages.fine(visited.back());
+  if (map.empty() || source.empty()) return best;
+  double distance = mean_distance(map, source, best.pose, voxel_size_);
+  // The first scan is the measure of those after it.
+  const auto poor = [&] { return scans_ > 0 && distance > options_.poor * usual_; };
+  const auto seen = [&](const Pose& pose) {
+    return std::any_of(visited.begin(), visited.end(), [&](const Pose& other) {
+      const Pose apart = other.inverse() * pose;
+      return apart.translation.norm() < kSameVoxels * voxel_size_ &&
+             rotation_angle(apart.rotation) < kSameTurn;
+    });
   };
-  for (const Pose& pose : predictions) register_wide(pose);
-  if (best.distance() < good || options_.turn <= 0.0) return best.pose();
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-1.0, 1.0}) {
-      const Eigen::Vector3d turn = sign * options_.turn * Eigen::Vector3d::Unit(axis);
-      const Pose start = last * Pose(exp_so3(turn), Eigen::Vector3d::Zero());
-      best.consider(start);
-      register_wide(start);
+  const auto attempt = [&](const Pose& start) {
+    if (seen(start)) return;
+    visited.push_back(start);
+    const Pose coarse = stages.coarse(start).pose;
+    if (seen(coarse)) return;
+    visited.push_back(coarse);
+    const ScanRegistration found = stages.fine(coarse);
+    const double d = mean_distance(map, source, found.pose, voxel_size_);
+    if (d * options_.better >= distance) return;
+    distance = d;
+    best = found;
+  };
+  if (poor()) {
+    const SweepPoints wide{
+        downsampler_(map_points, 1.5F * static_cast<float>(options_.scale * voxel_size_)), {}};
+    RegistrationKernel wide_kernel = kernel;
+    wide_kernel.max_iterations = std::min(kernel.max_iterations, kWideIterations);
+    const auto attempt_wide = [&](const Pose& start) {
+      attempt(register_scan(wide_map_, wide, start, wide_kernel).pose);
+    };
+    attempt_wide(guess);
+    for (const Pose& pose : others) {
+      attempt(pose);
+      attempt_wide(pose);
+    }
+    for (int axis = 0; axis < 3 && options_.turn > 0.0 && poor(); ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Eigen::Vector3d turn = sign * options_.turn * Eigen::Vector3d::Unit(axis);
+        attempt_wide(last * Pose(exp_so3(turn), Eigen::Vector3d::Zero()));
+      }
     }
   }
-  return best.pose();
-}
-
-void PoseSearch::learn(const VoxelMap& map, const Points& source, const Pose& registered) {
-  if (map.empty() || source.empty()) return;
-  const double distance = mean_distance(map, source, registered, voxel_size_);
-  usual_ += (scans_ == 0 ? 1.0 : kGain) * (distance - usual_);
   ++scans_;
+  usual_ += std::max(kGain, 1.0 / static_cast<double>(scans_)) * (distance - usual_);
+  return best;
 }
 
 void PoseSearch::insert(const Points& map_points, const Pose& T_world_scan) {

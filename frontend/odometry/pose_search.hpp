@@ -1,14 +1,17 @@
-// Where the registration of a scan begins. A prediction holds for a car at ten scans a second; key
-// frames taken by hand come at uneven times and seven degrees apart, and a registration that begins
-// so far off, with neighbours no farther than two voxels, ends beside the truth.
+// Other starts for a registration that ended in the wrong place. A prediction by constant velocity
+// holds for a car at ten scans a second; key frames taken by hand come at uneven times and seven
+// degrees apart, and a registration that begins so far off, with neighbours no farther than two
+// voxels, ends beside the truth.
 //
-// So several predictions are tried, and the one at which the scan lies nearest to the map is taken:
-// the scan tells, no memory of which rule held of late is needed. Where none fits as scans here
-// usually do, each is registered first to a map of voxels several times as wide, with so few points
-// that it costs next to nothing; and if that does not do either, turns of the last pose are tried.
+// The scan tells: where a registered scan lies farther from the map than scans here usually do, it
+// is registered again from other predictions, each also brought near by a map of voxels several
+// times as wide, with so few points that it costs next to nothing; then from turns of the last
+// pose. What comes out clearly nearer to the map is taken. Before a registration distances would
+// mislead: ground seen by rings lies nearest where the sensor has not moved.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <iosfwd>
 #include <vector>
 
@@ -23,23 +26,28 @@ namespace groundloop {
 class PoseSearch {
  public:
   struct Options {
-    double scale = 5.0;  ///< edge of a voxel of the wide map, in voxels of the map
-    double turn = 0.14;  ///< rad, of the turns that are tried last
-    double poor = 1.3;   ///< a mean distance from the map this many times the usual is a poor fit
+    double scale = 5.0;   ///< edge of a voxel of the wide map, in voxels of the map
+    double turn = 0.14;   ///< rad, of the turns that are tried last
+    double poor = 1.11;   ///< a mean distance from the map this many times the usual is a poor fit
+    double better = 1.1;  ///< by so much another result must be nearer to the map to be taken
   };
 
   /// voxel_size in metres, of the map that scans are registered to.
   PoseSearch(const Options& options, double voxel_size);
 
-  /// The start for `source`, points of the scan that is to be registered to `map`. `predictions`:
-  /// poses to try, the likeliest first (one at least); `last`: the last scan's. `map_points`: those
-  /// that the map will get.
-  [[nodiscard]] Pose find(const VoxelMap& map, const Points& source, const Points& map_points,
-                          const std::vector<Pose>& predictions, const Pose& last,
-                          const RegistrationKernel& kernel);
+  /// How a scan is registered to the map from a pose on: first from afar, then finely.
+  struct Stages {
+    std::function<ScanRegistration(const Pose&start)> coarse, fine;
+  };
 
-  /// What find() judges by: the mean distance from the map of a scan that was registered, m.
-  void learn(const VoxelMap& map, const Points& source, const Pose& registered);
+  /// The registration from `guess`, or where that fits poorly the one that fits better. `source`:
+  /// the points of the scan that distances from `map` are taken of; `map_points`: those that the
+  /// map will get; `others`: further predictions; `last`: the last scan's pose; `kernel`: of the
+  /// wide registration.
+  [[nodiscard]] ScanRegistration find(const Stages& stages, const VoxelMap& map,
+                                      const Points& source, const Points& map_points,
+                                      const Pose& guess, const std::vector<Pose>& others,
+                                      const Pose& last, const RegistrationKernel& kernel);
 
   void insert(const Points& map_points, const Pose& T_world_scan);
   void remove_beyond(const Eigen::Vector3d& center, float distance);
