@@ -184,7 +184,9 @@ void run_recording(const RunRequest& request, Context& context) {
   validate_config(request.config);
   RecordingOptions reading = request.reading;
   reading.elevation_correction = request.config.recording.elevation_correction;
+  const auto opening = Clock::now();
   const std::unique_ptr<Recording> recording = open_any_recording(request.recording, reading);
+  const double opening_s = seconds_since(opening);
   const GroundTruth ground_truth =
       request.ground_truth.empty()
           ? own_ground_truth(*recording)
@@ -206,6 +208,7 @@ void run_recording(const RunRequest& request, Context& context) {
     stop_on_signals();
     const Progress progress = make_progress(context);
     SlamResult result = run_slam(*recording, request.config.slam, output, progress);
+    result.times.read += opening_s;
     const auto map_start = Clock::now();
     if (request.config.map.write)
       write_map(session, result, request.config.map.voxel_size, progress);

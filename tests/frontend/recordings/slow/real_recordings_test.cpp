@@ -3,7 +3,10 @@
 #include "tests/support/real_recordings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -83,6 +86,45 @@ void expect_reference(const fs::path& packets, const PacketCase& c) {
   EXPECT_GT(share_found(read_all(*recording), reference, c.azimuth_deg), 0.995);
 }
 
+// The image of ranges in millimetres, beams by columns, put together again from the decoded points
+// of a sensor with one return.
+std::vector<std::uint32_t> range_image(const Scan& scan, std::size_t rows, double beam_offset,
+                                       double height) {
+  constexpr std::size_t kColumns = 1024;
+  // Both outer columns have returns; between them columns are evenly spaced to a fifth of a step.
+  const auto [first, last] = std::minmax_element(scan.times.begin(), scan.times.end());
+  const double step = static_cast<double>(*last - *first) / (kColumns - 1);
+  std::vector<std::uint32_t> image(rows * kColumns, 0);
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const auto column =
+        static_cast<std::size_t>(std::lround(static_cast<double>(scan.times[i] - *first) / step));
+    const double encoder = -2.0 * std::numbers::pi * static_cast<double>(column) / kColumns;
+    // Half a turn about z brings the sensor's frame to the lidar's; beams begin beside the axis.
+    const Eigen::Vector3d p(-static_cast<double>(scan.points[i].x()),
+                            -static_cast<double>(scan.points[i].y()),
+                            static_cast<double>(scan.points[i].z()) - height);
+    const Eigen::Vector3d beam =
+        p - beam_offset * Eigen::Vector3d(std::cos(encoder), std::sin(encoder), 0.0);
+    image[(rows - 1 - scan.attributes.ring[i]) * kColumns + column] =
+        static_cast<std::uint32_t>(std::lround(1e3 * (beam.norm() + beam_offset)));
+  }
+  return image;
+}
+
+// By the program that every system has.
+std::string md5(const std::vector<std::uint32_t>& image) {
+  const fs::path file = fs::path(GROUNDLOOP_TEST_WORK) / "range_image.bin";
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(image.data()),
+             static_cast<std::streamsize>(image.size() * sizeof(image[0])));
+  std::FILE* pipe = ::popen(("md5sum '" + file.string() + "'").c_str(), "r");
+  if (pipe == nullptr) return {};
+  std::array<char, 33> text{};
+  const std::size_t got = std::fread(text.data(), 1, 32, pipe);
+  ::pclose(pipe);
+  return {text.data(), got};
+}
+
 TEST(RealRecordings, AreReadAsWhatTheyAre) {
   const fs::path real = testing::real_recordings();
   if (real.empty()) GTEST_SKIP() << "the recordings are absent from " GROUNDLOOP_SHARED_DATA;
@@ -95,6 +137,23 @@ TEST(RealRecordings, AreReadAsWhatTheyAre) {
         PacketCase{"vlp32", "VLP32.yaml", "VLP-32C, 32 beams, one return", 0.25},
         PacketCase{"vls128", "VLS128.yaml", "VLS-128, 128 beams, one return", 0.25}})
     expect_reference(packets, c);
+
+  // The digest of the field RANGE that stands beside the capture, to the last bit.
+  const auto os2 = open(packets / "ouster" / "OS-2-32-U0_v2.0.0_1024x10.pcap");
+  EXPECT_EQ(md5(range_image(os2->read(0), 32, 0.013762, 0.074296)),
+            "fb18f696ae1d06fac0368135a3eb89a9");
+  // Fields RANGE and RANGE2, whose digests stand beside it, hold 21 631 and 172 returns.
+  const auto os0 = open(packets / "ouster" / "OS-0-32-U1_v2.2.0_1024x10.pcap");
+  EXPECT_EQ(os0->read(0).points.size(), 21'631U + 172U);
+
+  // A Robosense E1 counts milliseconds.
+  EXPECT_THAT(open(real / "robosense_pcd" / "e1")->info().point_times,
+              HasSubstr("field 'time_stamp' (uint32), ms from the first point"));
+  // nuScenes: five values, the last a ring, in files that fit records of four.
+  const auto nuscenes = open(real / "nuscenes_keyframes");
+  EXPECT_EQ(nuscenes->info().fields.back(), "ring float32");
+  const Scan scan = nuscenes->read(3);
+  EXPECT_EQ(*std::max_element(scan.attributes.ring.begin(), scan.attributes.ring.end()), 31);
 }
 
 }  // namespace
