@@ -10,9 +10,11 @@
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/merge_documents.hpp"
 #include "apps/report/session_report.hpp"
+#include "backend/graph/marginals.hpp"
 #include "backend/map/map_assembly.hpp"
 #include "backend/session/session_graph.hpp"
 #include "backend/session/session_output.hpp"
+#include "backend/session/uncertainty_table.hpp"
 #include "frontend/core/checksum.hpp"
 #include "frontend/core/clock.hpp"
 #include "frontend/core/error.hpp"
@@ -223,6 +225,11 @@ void write_tables(const SessionFolder& out, const MergeResult& result,
   write_trajectories(out, odometry, trajectory, maps);
   write_closures(out.file("closures.csv"), result.closures);
   write_session_graph(out.file("pose_graph.g2o"), result.graph);
+  if (const auto covariances = pose_covariances(result.graph)) {
+    write_uncertainty(out.file("uncertainty.csv"), *covariances);
+  } else {
+    spdlog::warn("uncertainty.csv is not written: the pose graph leaves a pose open");
+  }
   database.save(out.file("loop_database.bin"));
 }
 

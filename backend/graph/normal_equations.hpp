@@ -23,6 +23,10 @@ class NormalEquations {
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
   /// Block of a variable in the matrix, -1 where it is held.
   [[nodiscard]] int block_of(int variable) const { return block_of_[variable]; }
+  /// First row of a variable in gradient and solutions, -1 where it is held.
+  [[nodiscard]] int first_row_of(int variable) const {
+    return block_of_[variable] < 0 ? -1 : first_row_[block_of_[variable]];
+  }
 
  private:
   struct Layout;

@@ -1,7 +1,11 @@
 #include "backend/mapping/slam.hpp"
 
+#include <spdlog/spdlog.h>
+
+#include "backend/graph/marginals.hpp"
 #include "backend/mapping/scan_processing.hpp"
 #include "backend/session/session_graph.hpp"
+#include "backend/session/uncertainty_table.hpp"
 #include "frontend/core/clock.hpp"
 
 namespace groundloop {
@@ -15,6 +19,11 @@ void write_results(const SessionFolder& folder, const SlamResult& result,
   write_closures(folder.file("closures.csv"), result.closures);
   write_local_maps(folder.file("local_maps.csv"), result.maps);
   write_session_graph(folder.file("pose_graph.g2o"), result.solution.key_graph);
+  if (const auto covariances = pose_covariances(result.solution.key_graph)) {
+    write_uncertainty(folder.file("uncertainty.csv"), *covariances);
+  } else {
+    spdlog::warn("uncertainty.csv is not written: the pose graph leaves a pose open");
+  }
   finder.database().save(folder.file("loop_database.bin"));
 }
 

@@ -27,7 +27,7 @@ struct ConnectionOptions {
   double min_predicted_overlap = 0.5;
   int max_trials = 12;
   double min_confirmed = 0.5;
-  double min_evidence = 10.0;
+  double min_evidence = 5.0;
   bool estimate_scale = true;
 
   template <typename Self, typename Visitor>
@@ -49,7 +49,7 @@ struct ConnectionOptions {
     field(
         "min_evidence", self.min_evidence, Range{0.0, 1000.0}, "",
         "logarithm of the likelihood ratio, over both odometries, of the set against agreement by "
-        "chance: 10 is 22 000 to one");
+        "chance: 5, 150 to one, is what Kass and Raftery (1995) call very strong");
     field(
         "estimate_scale", self.estimate_scale, OnOff{}, "",
         "where too few closures between two sessions agree, ask them how much more the odometries "

@@ -53,6 +53,14 @@ TEST(ExportCommand, WritesEachFormatFromTheOptimisedPoses) {
   }
 }
 
+TEST(ExportCommand, RefusesUncertaintyOfPoints) {
+  const testing::TemporaryFolder folder;
+  const std::string session = write_session(folder);
+  EXPECT_EQ(run(session + " --uncertainty --out " + (folder / "map.pcd").string(), folder / "err"),
+            2);
+  EXPECT_NE(read_text(folder / "err").find(".csv"), std::string::npos);
+}
+
 TEST(ExportCommand, GivesThePointsOfAMergedSessionTheirRecording) {
   const testing::TemporaryFolder folder;
   const std::string session = write_session(folder);
