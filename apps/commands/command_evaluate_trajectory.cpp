@@ -4,8 +4,10 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/ground_truth.hpp"
+#include "apps/report/evaluation_pages.hpp"
 #include "apps/report/trajectory_evaluation_json.hpp"
 #include "frontend/core/error.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -14,6 +16,7 @@ struct Arguments {
   std::string estimate;
   std::string ground_truth;
   std::string truth_frame;
+  std::string report;
   bool json = false;
   TrajectoryEvaluationOptions options;
 };
@@ -36,6 +39,11 @@ void run(Arguments arguments) {
     throw InputError(arguments.estimate + ", " + arguments.ground_truth + ": " + e.what());
   }
   log_ground_truth(truth, judged);
+  if (!arguments.report.empty()) {
+    write_text_atomically(arguments.report,
+                          make_page(trajectory_page(arguments.estimate, estimate.poses,
+                                                    judged.poses, evaluation, arguments.options)));
+  }
   nlohmann::ordered_json json = to_json(evaluation, arguments.options);
   json["ground_truth"] = to_json(judged.frame);
   const std::string text =
@@ -63,6 +71,7 @@ void add_evaluate_trajectory_command(CLI::App& app, Context&) {
   command->add_option("--tolerance", arguments->options.tolerance, "of paired stamps, seconds")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "one JSON object on standard output");
+  command->add_option("--report", arguments->report, "page to write (.html)");
   command->callback([arguments] { run(*arguments); });
 }
 

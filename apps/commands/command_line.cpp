@@ -112,6 +112,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_match_command(app, context);
   add_merge_command(app, context);
   add_report_command(app, context);
+  add_compare_command(app, context);
+  add_doctor_command(app, context);
   add_benchmark_command(app, context);
   add_config_command(app, context);
   // Subcommands run in their callbacks, after this.

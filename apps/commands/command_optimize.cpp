@@ -8,8 +8,10 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/commands.hpp"
+#include "apps/report/evaluation_pages.hpp"
 #include "backend/graph/g2o_file.hpp"
 #include "backend/judging/optimizer.hpp"
+#include "frontend/core/output_file.hpp"
 
 namespace groundloop::apps {
 namespace {
@@ -17,6 +19,7 @@ namespace {
 struct OptimizeArguments {
   std::string graph;
   std::string out;
+  std::string report;
   bool json = false;
   OptimizerOptions options;
 };
@@ -74,10 +77,16 @@ void optimize_file(const OptimizeArguments& arguments) {
                  count == 1 ? "" : "s", tag);
   }
   const double read_seconds = seconds_since(start);
+  std::vector<Pose> before;
+  for (const GraphVertex& vertex : file.graph.vertices) before.push_back(vertex.pose);
   const OptimizationSummary summary = optimize(file.graph, arguments.options);
   const auto write_start = std::chrono::steady_clock::now();
   write_g2o(arguments.out, file.graph);
   const double write_seconds = seconds_since(write_start);
+  if (!arguments.report.empty()) {
+    write_text_atomically(arguments.report,
+                          make_page(graph_page(arguments.graph, before, file.graph, summary)));
+  }
   if (arguments.json) {
     std::printf("%s\n", to_json(file, summary, read_seconds, write_seconds).dump(2).c_str());
   } else {
@@ -97,6 +106,7 @@ void add_optimize_command(CLI::App& app, Context&) {
   command->add_option("--initialisation", arguments->options.initialisation,
                       "auto, guess or chordal");
   command->add_flag("--json", arguments->json, "print the summary as one JSON object");
+  command->add_option("--report", arguments->report, "page to write (.html)");
   command->callback([arguments] { optimize_file(*arguments); });
 }
 

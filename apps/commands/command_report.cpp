@@ -1,4 +1,5 @@
 // `groundloop report SESSION`: the page of a finished session, made anew from its files.
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -24,46 +25,37 @@ struct Arguments {
   int points = -1, closures = -1;
 };
 
-// FILE, or NAME=FILE in a session of several recordings.
-fs::path file_for(const SessionPart& part, bool merged, const std::vector<std::string>& texts) {
-  for (const std::string& text : texts) {
-    if (!merged) return text;
-    if (text.rfind(part.name + "=", 0) == 0) return text.substr(part.name.size() + 1);
-  }
-  return {};
-}
-
-void check_names(const SessionContents& contents, const std::vector<std::string>& texts) {
+// By recordings: FILE, or NAME=FILE in a session of several.
+std::map<std::string, fs::path> by_recording(const SessionContents& contents,
+                                             const std::vector<std::string>& texts) {
+  const std::vector<SessionPart>& parts = contents.session.parts;
+  std::map<std::string, fs::path> files;
   if (!contents.merged()) {
     if (texts.size() > 1)
       throw InputError("--ground-truth is given twice; the session holds one recording");
-    return;
+    if (!texts.empty()) files[parts.front().name] = texts.front();
+    return files;
   }
   for (const std::string& text : texts) {
-    const std::string name = text.substr(0, text.find('='));
-    bool found = false;
-    for (const SessionPart& part : contents.session.parts) found = found || part.name == name;
-    if (!found || name.size() == text.size())
+    const std::size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    const bool known = std::any_of(parts.begin(), parts.end(),
+                                   [&](const SessionPart& part) { return part.name == name; });
+    if (!known || equals == std::string::npos)
       throw InputError("--ground-truth " + text +
                        ": expected NAME=FILE, NAME of a recording of the session");
+    files[name] = text.substr(equals + 1);
   }
+  return files;
 }
 
 void run(const Arguments& arguments) {
   SessionContents contents = read_session_contents(arguments.session);
-  check_names(contents, arguments.ground_truth);
+  const auto files = by_recording(contents, arguments.ground_truth);
   if (arguments.points >= 0) contents.config.report.points = arguments.points;
   if (arguments.closures >= 0) contents.config.report.closures = arguments.closures;
-  std::vector<Trajectory> truths;
-  for (const SessionPart& part : contents.session.parts) {
-    const GroundTruth truth = ground_truth_of(
-        part, file_for(part, contents.merged(), arguments.ground_truth), arguments.truth_frame);
-    truths.emplace_back();
-    if (truth.poses.empty()) continue;
-    JudgedTruth judged = judge_ground_truth(truth, part.odometry);
-    log_ground_truth(truth, judged);
-    truths.back() = std::move(judged.poses);
-  }
+  const std::vector<Trajectory> truths =
+      true_trajectories(contents.session, files, arguments.truth_frame);
   const fs::path out =
       arguments.out.empty() ? contents.session.folder.file("report.html") : fs::path(arguments.out);
   write_text_atomically(out, make_session_report(contents, truths));

@@ -24,6 +24,8 @@ void add_export_command(CLI::App& app, Context& context);
 void add_merge_command(CLI::App& app, Context& context);
 void add_match_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
+void add_compare_command(CLI::App& app, Context& context);
+void add_doctor_command(CLI::App& app, Context& context);
 void add_benchmark_command(CLI::App& app, Context& context);
 void add_config_command(CLI::App& app, Context& context);
 /// The group `evaluate`, on which its subcommands hang.

@@ -180,6 +180,23 @@ GroundTruth ground_truth_of(const SessionPart& part, const fs::path& file,
                    : read_ground_truth(file, truth_frame);
 }
 
+std::vector<Trajectory> true_trajectories(const StoredSession& session,
+                                          const std::map<std::string, fs::path>& files,
+                                          const std::string& truth_frame) {
+  std::vector<Trajectory> trajectories;
+  for (const SessionPart& part : session.parts) {
+    const auto file = files.find(part.name);
+    const GroundTruth truth =
+        ground_truth_of(part, file == files.end() ? fs::path() : file->second, truth_frame);
+    trajectories.emplace_back();
+    if (truth.poses.empty()) continue;
+    JudgedTruth judged = judge_ground_truth(truth, part.odometry);
+    log_ground_truth(truth, judged);
+    trajectories.back() = std::move(judged.poses);
+  }
+  return trajectories;
+}
+
 JudgedTruth judge_ground_truth(const GroundTruth& truth, const Trajectory& odometry) {
   JudgedTruth judged;
   std::vector<Pose> estimated;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,12 @@ struct JudgedTruth {
 [[nodiscard]] GroundTruth ground_truth_of(const SessionPart& part,
                                           const std::filesystem::path& file,
                                           const std::string& truth_frame);
+
+/// Of every recording of a session, brought to its sensor's frame: what `files` name by recordings,
+/// else what came with them. Says in the log what it was taken for.
+[[nodiscard]] std::vector<Trajectory> true_trajectories(
+    const StoredSession& session, const std::map<std::string, std::filesystem::path>& files = {},
+    const std::string& truth_frame = "");
 
 /// Judges frame and instant against the sensor's odometry.
 [[nodiscard]] JudgedTruth judge_ground_truth(const GroundTruth& truth, const Trajectory& odometry);

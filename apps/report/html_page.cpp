@@ -37,7 +37,9 @@ std::string verdict_html(const Verdict& verdict) {
     html += "<ul>\n";
     for (const Remark& remark : verdict.remarks)
       html += std::string("<li class=\"remark ") + to_string(remark.trust) + "\">" +
-              escape_html(remark.text) + "</li>\n";
+              escape_html(remark.text) +
+              (remark.advice.empty() ? "" : " <em>Try: " + escape_html(remark.advice) + ".</em>") +
+              "</li>\n";
     html += "</ul>\n";
   }
   return html + "</section>\n";
@@ -132,8 +134,9 @@ nlohmann::ordered_json to_json(const PagePlot& plot) {
   for (const PagePlot::Series& s : plot.series) {
     std::vector<std::size_t> order(s.x.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return s.x[a] < s.x[b]; });
+    if (!plot.plan)
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return s.x[a] < s.x[b]; });
     nlohmann::ordered_json x = nlohmann::ordered_json::array();
     nlohmann::ordered_json y = nlohmann::ordered_json::array();
     for (const std::size_t i : order) {
@@ -142,8 +145,8 @@ nlohmann::ordered_json to_json(const PagePlot& plot) {
     }
     series.push_back({{"name", s.name}, {"style", s.style}, {"x", x}, {"y", y}});
   }
-  return {{"title", plot.title}, {"note", plot.note},      {"x", plot.x},
-          {"y", plot.y},         {"zero", plot.from_zero}, {"series", series}};
+  return {{"title", plot.title},    {"note", plot.note}, {"x", plot.x},     {"y", plot.y},
+          {"zero", plot.from_zero}, {"plan", plot.plan}, {"series", series}};
 }
 
 std::string make_page(Page page) {

@@ -43,6 +43,7 @@ struct PagePlot {
   std::string x, y;        ///< what the axes show, with units
   bool from_zero = false;  ///< the y axis
   std::vector<Series> series;
+  bool plan = false;  ///< places from above: both axes alike, points in their own order
 };
 /// An element of the array `plots` in a page's JSON; points are put in the order of x.
 [[nodiscard]] nlohmann::ordered_json to_json(const PagePlot& plot);

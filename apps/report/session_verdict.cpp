@@ -53,33 +53,41 @@ bool true_at(const Json& document, const char* pointer) {
 void judge_odometry(const SessionContents& contents, std::vector<Remark>& remarks) {
   std::size_t scans = 0;
   for (const Strand& strand : contents.strands) scans += strand.scans;
-  const auto add = [&](const std::string& what, std::size_t n, double careful, double untrusted) {
+  const auto add = [&](const std::string& what, std::size_t n, double careful, double untrusted,
+                       const char* advice) {
     const double share =
         static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, scans));
     if (n == 0 || share < careful) return;
     remarks.push_back({share >= untrusted ? Trust::untrusted : Trust::careful,
                        what + " at " + std::to_string(n) + " of " + std::to_string(scans) +
-                           " scans (" + number(100.0 * share, 1) + " %)."});
+                           " scans (" + number(100.0 * share, 1) + " %).",
+                       advice});
   };
   const auto count = [&](const char* state) {
     return static_cast<std::size_t>(
         std::count_if(contents.quality.begin(), contents.quality.end(),
                       [&](const ScanQuality& q) { return q.state == state; }));
   };
+  constexpr const char* kBlocked =
+      "--first and --count, to leave out the stretch where the view is blocked";
+  constexpr const char* kPresets =
+      "--config handheld for a sensor that is carried, --config narrow_view for one that sees a "
+      "part of the round";
   if (contents.quality.empty()) {
     add("Poses are predicted and not measured, the view being blocked,",
         static_cast<std::size_t>(number_at(contents.metrics, "/predicted_scans")), kCarefulShare,
-        kUntrustedShare);
+        kUntrustedShare, kBlocked);
   } else {
-    add("Odometry lost its way", count("lost"), 0.0, 0.0);
-    add("Odometry is weak, held by too little of what it saw,", count("weak"), 0.05, 0.5);
+    add("Odometry lost its way", count("lost"), 0.0, 0.0, kPresets);
+    add("Odometry is weak, held by too little of what it saw,", count("weak"), 0.05, 0.5, kPresets);
     add("Poses are predicted and not measured, the view being blocked,", count("predicted"),
-        kCarefulShare, kUntrustedShare);
+        kCarefulShare, kUntrustedShare, kBlocked);
   }
   if (!contents.merged() && contents.frame_names.size() > 1) {
-    remarks.push_back(
-        {Trust::untrusted, "Odometry broke, and " + std::to_string(contents.frame_names.size()) +
-                               " pieces could not be joined: each is in a frame of its own."});
+    remarks.push_back({Trust::untrusted,
+                       "Odometry broke, and " + std::to_string(contents.frame_names.size()) +
+                           " pieces could not be joined: each is in a frame of its own.",
+                       kPresets});
   }
 }
 
@@ -100,8 +108,11 @@ void judge_solution(const SessionContents& contents, std::vector<Remark>& remark
   }
   const double way = number_at(metrics, "/path_length_m");
   if (!contents.merged() && way > kLongWay && number_at(metrics, "/closures/accepted") == 0.0) {
-    remarks.push_back({Trust::careful, "No loop was closed over " + number(way, 0) +
-                                           " m: nothing corrects what odometry drifted."});
+    remarks.push_back({Trust::careful,
+                       "No loop was closed over " + number(way, 0) +
+                           " m: nothing corrects what odometry drifted.",
+                       "--config narrow_view where the sensor sees a part of the round; a way that "
+                       "never comes back has no loop to close"});
   }
 }
 
@@ -116,9 +127,12 @@ void judge_against_truth(const SessionContents& contents, const ScanTable& table
     const double before = e.odometry->ape.translation_m.rmse;
     const double way = e.optimised->path_length_m;
     if (error > kLeastError && error > kErrorOfWay * way) {
-      remarks.push_back({Trust::untrusted, of + "It is " + number(error, 2) +
-                                               " m (rmse) off the ground truth over a way of " +
-                                               number(way, 0) + " m."});
+      remarks.push_back(
+          {Trust::untrusted,
+           of + "It is " + number(error, 2) + " m (rmse) off the ground truth over a way of " +
+               number(way, 0) + " m.",
+           "--config handheld where the sensor is carried; --truth-frame, if the truth "
+           "is of another sensor"});
     }
     if (error > kLeastError && error > 1.1 * before) {
       remarks.push_back({Trust::careful, of + "The solution is farther from the ground truth (" +

@@ -15,7 +15,8 @@ enum class Trust {
 
 struct Remark {
   Trust trust = Trust::good;
-  std::string text;  ///< one sentence, and what to try where there is something to try
+  std::string text;         ///< one sentence, naming the figure it rests on
+  std::string advice = {};  ///< what to try; empty where there is nothing to try
 };
 
 struct Verdict {

@@ -8,7 +8,7 @@ async function buildPage() {
   }
   await loadLibrary("d3");
   const report = await loadDocument();
-  for (const plot of report.plots || []) app.append(linePlot(plot, plot.series) || "");
+  for (const plot of report.plots || []) app.append((plot.plan ? planPlot(plot, plot.series) : linePlot(plot, plot.series)) || "");
   if (!report.scans) {
     document.body.dataset.state = "ready";
     return;

@@ -13,6 +13,8 @@ class TopMap {
     this.stage = element("div", { class: "stage" });
     this.read = element("output", { class: "readout" }, "\u00a0");
     this.node.append(this.controls, this.stage, this.read);
+    if (this.several())
+      this.node.append(element("p", {}, ...report.strands.map((s, k) => element("span", { class: "key" }, element("span", { class: "swatch session" + (k % 8) }), s.name))));
     this.build();
   }
   several() { return this.report.strands.length > 1; }
@@ -21,8 +23,11 @@ class TopMap {
   build() {
     const frames = this.report.frames;
     this.controls.replaceChildren();
-    if (frames.length > 1)
-      this.controls.append(choice("frame of", frames.map((f, k) => [k, f.name]), (k) => { this.frame = Number(k); this.draw(); }));
+    if (frames.length > 1) {
+      const select = choice("frame of", frames.map((f, k) => [k, f.name]), (k) => { this.frame = Number(k); this.draw(); });
+      this.frameSelect = select.querySelector("select");
+      this.controls.append(select);
+    }
     const has = (status) => this.report.closures.some((c) => (c.status === "accepted") === status);
     const switches = [["after", "map after closing (off: before)", null], ["optimised", "optimised", "after"], ["odometry", "odometry", "before"]];
     if (this.scans.hasTruth()) switches.push(["truth", "ground truth", "truth"]);
@@ -114,7 +119,11 @@ class TopMap {
   // Marks a scan and tells of it.
   point(row) {
     const frame = this.scans.strand(row).frame;
-    if (frame !== this.frame) { this.frame = frame; this.draw(); }
+    if (frame !== this.frame) {
+      this.frame = frame;
+      this.frameSelect.value = frame;
+      this.draw();
+    }
     const p = this.scans.position("optimised", row), f = this.report.frames[this.frame];
     this.mark.attr("cx", p[0]).attr("cy", -p[1]).attr("r", (f.width * f.pixel) / 150);
     this.read.textContent = this.scans.describe(row) + ` at ${p.map((v) => number(v, 2)).join(", ")}`;

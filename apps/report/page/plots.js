@@ -3,13 +3,13 @@
 
 const kPlotWidth = 900, kPlotHeight = 240, kMargin = { left: 58, right: 14, top: 10, bottom: 38 };
 
-function plotFrame(title, note) {
+function plotFrame(title, note, plotHeight = kPlotHeight) {
   const figure = element("figure", { class: "plot" }, element("figcaption", {}, title));
   if (note) figure.append(element("p", { class: "note" }, note));
-  const svg = d3.select(figure).append("svg").attr("viewBox", `0 0 ${kPlotWidth} ${kPlotHeight}`)
+  const svg = d3.select(figure).append("svg").attr("viewBox", `0 0 ${kPlotWidth} ${plotHeight}`)
     .attr("role", "img").attr("aria-label", title).attr("tabindex", 0);
   const inner = svg.append("g").attr("transform", `translate(${kMargin.left},${kMargin.top})`);
-  const width = kPlotWidth - kMargin.left - kMargin.right, height = kPlotHeight - kMargin.top - kMargin.bottom;
+  const width = kPlotWidth - kMargin.left - kMargin.right, height = plotHeight - kMargin.top - kMargin.bottom;
   const clip = "clip-" + (plotFrame.count = (plotFrame.count || 0) + 1);
   inner.append("clipPath").attr("id", clip).append("rect").attr("width", width).attr("height", height);
   const axes = { x: inner.append("g").attr("class", "axis").attr("transform", `translate(0,${height})`), y: inner.append("g").attr("class", "axis") };
@@ -117,6 +117,31 @@ function hover(frame, options, series, x, y) {
   });
   frame.svg.on("mouseleave", () => cursor.style("display", "none"));
   if (options.onRow) frame.svg.on("click", () => { if (!d3.event.defaultPrevented) options.onRow(nearest()); });
+}
+
+// Ways from above, both axes alike; wheel with Ctrl, or after a click into it, zooms; dragging moves.
+function planPlot(options, series) {
+  const frame = plotFrame(options.title, options.note, 520);
+  axisLabels(frame, options.x, options.y);
+  legend(frame.figure, series);
+  const xs = d3.merge(series.map((s) => s.x)).filter(isFinite), ys = d3.merge(series.map((s) => s.y)).filter(isFinite);
+  if (xs.length === 0) return null;
+  const [left, right] = d3.extent(xs), [low, high] = d3.extent(ys);
+  const unit = 1.05 * Math.max((right - left) / frame.width, (high - low) / frame.height, 1e-6);
+  const about = (middle, size) => [middle - (unit * size) / 2, middle + (unit * size) / 2];
+  const x = d3.scale.linear().domain(about((left + right) / 2, frame.width)).range([0, frame.width]);
+  const y = d3.scale.linear().domain(about((low + high) / 2, frame.height)).range([frame.height, 0]);
+  const axisX = d3.svg.axis().scale(x).orient("bottom").ticks(8), axisY = d3.svg.axis().scale(y).orient("left").ticks(6);
+  const lines = series.map((s) => frame.marks.append("path").attr("class", "line " + s.style));
+  const draw = () => {
+    frame.axes.x.call(axisX);
+    frame.axes.y.call(axisY);
+    series.forEach((s, k) => lines[k].attr("d", d3.svg.line().x((_, i) => x(s.x[i])).y((_, i) => y(s.y[i]))(s.x)));
+  };
+  keepScrolling(frame.svg.node());
+  frame.svg.call(d3.behavior.zoom().x(x).y(y).on("zoom", draw));
+  draw();
+  return frame.figure;
 }
 
 // series: [{name, style, values}]

@@ -25,7 +25,7 @@ function sortedTable(columns, rows, options = {}) {
     else cell.text((row) => { const v = column.text ? column.text(row) : column.value(row); return v === null || v === undefined ? "–" : v; });
   });
   if (options.rowClass) lines.attr("class", options.rowClass);
-  const wide = element("div", { class: "wide", tabindex: 0, role: "region", "aria-label": options.label || "table" }, table);
+  const wide = element("div", { class: "wide tall", tabindex: 0, role: "region", "aria-label": options.label || "table" }, table);
   return { node: wide, filter: (keep) => lines.style("display", (row) => (keep(row) ? null : "none")), lines };
 }
 

@@ -81,11 +81,18 @@ class View {
     size.addEventListener("input", () => { for (const c of this.chunks) c.material.size = Number(size.value); this.draw(); });
     this.legend = element("div", { class: "legend" });
     this.controls.append(
-      frames.length > 1 ? choice("frame of", frames.map((f, k) => [k, f.name]), (k) => this.show(Number(k))) : "",
+      this.frameChoice(frames),
       colour, when, lowLabel, highLabel, element("label", {}, "point size ", size), measure,
       element("button", { type: "button", onclick: () => this.overview() }, "see all (0)"));
     this.node.append(this.legend, element("p", { class: "note keys" },
       "Keys, once the view has the focus: b before and after closing, c next colour, m measure, 0 see all, t from above, arrows move, + and - come closer and go back."));
+  }
+
+  frameChoice(frames) {
+    if (frames.length < 2) return "";
+    const label = choice("frame of", frames.map((f, k) => [k, f.name]), (k) => this.show(Number(k)));
+    this.frameSelect = label.querySelector("select");
+    return label;
   }
 
   listen(canvas) {
@@ -111,6 +118,7 @@ class View {
   // Everything of one frame: lines at once, then its chunks, coarse ones first.
   async show(frame) {
     this.frame = frame;
+    if (this.frameSelect) this.frameSelect.value = frame;
     const mine = (this.showing = (this.showing || 0) + 1);
     for (const c of this.chunks) { c.points.geometry.dispose(); c.material.dispose(); }
     this.chunks = [];

@@ -273,16 +273,6 @@ TEST(Run, LeavesTheWholeSession) {
   }
 }
 
-TEST(Report, IsTheSamePageWhetherTheRunMakesItOrTheSessionIsReadBack) {
-  const TemporaryFolder folder;
-  const KittiFolder kitti(folder / "recording");
-  const std::string session = (folder / "out").string();
-  ASSERT_EQ(run_command({"run", (folder / "recording").string(), "--out", session}).exit_code, 0);
-  const auto again = run_command({"report", session, "--out", (folder / "again.html").string()});
-  ASSERT_EQ(again.exit_code, 0) << again.standard_error;
-  EXPECT_EQ(read_text(folder / "again.html"), read_text(folder / "out" / "report.html"));
-}
-
 TEST(Report, OfWhatIsNoSessionNamesTheFileAndTheRemedy) {
   const TemporaryFolder folder;
   testing::expect_input_error(run_command({"report", folder.path().string()}), {"manifest.json"});

@@ -98,6 +98,11 @@ CLICK = """
 const faults = [], wait = (ms) => new Promise((go) => setTimeout(go, ms));
 const expect = (what, holds) => { if (!holds) faults.push(what); };
 const sections = Array.from(document.querySelectorAll('#app section'));
+if (sections.length === 0) {  // a page of tables and plots
+  expect('plots', document.querySelectorAll('#app path.line').length > 0);
+  for (const path of document.querySelectorAll('path.line')) expect('a line', /^M[-0-9]/.test(path.getAttribute('d')) && !/NaN/.test(path.getAttribute('d')));
+  return faults;
+}
 expect('sections', sections.length >= 5);
 for (const s of sections) expect('an empty section: ' + s.id, s.children.length > 1);
 expect('a verdict', document.querySelector('.verdict strong').textContent.length > 5);
@@ -134,7 +139,7 @@ if (canvas) {
   await frame();
   expect('pixels in the view', ink() > 20);
   canvas.focus();
-  const select = document.querySelector('#in-three-dimensions select');
+  const select = Array.from(document.querySelectorAll('#in-three-dimensions label')).find((l) => l.textContent.startsWith('colour')).querySelector('select');
   for (const key of ['t', 'b', 'm', 'm', 'b', '0', 'ArrowLeft', 'ArrowUp', '+', '-', ...Array.from(select.options, () => 'c')]) {
     canvas.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}));
     await frame();
