@@ -22,6 +22,9 @@ constexpr double kCoarseTranslation = 1e-2, kCoarseRotation = 1e-3;
 constexpr double kCoarseVoxels = 2.0;
 // Over a gap the velocity is tried for so long, s.
 constexpr double kLongestCoast = 5.0;
+// Predictions whose turns differ by more, rad: at ten metres that is two voxels, as far as the
+// coarse registration reaches, and where it begins decides where it ends.
+constexpr double kDoubtfulTurn = 0.1;
 // Share of a scan in the running mean of how many voxels scans fill.
 constexpr double kUsualGain = 0.05;
 // Scans that a sensor is taken to swing on for after its velocity changed: it rests at the turning
@@ -225,8 +228,10 @@ ScanRegistration Odometry::register_to_map(const SweepPoints& source,
   std::vector<Pose> others{T_world_middle_ * exp_se3(last_step_), T_world_middle_};
   if (step > options_.max_gap)
     others.push_back(T_world_middle_ * exp_se3(std::min(step, kLongestCoast) * twist_));
+  const double apart = rotation_angle((guess.inverse() * others.front()).rotation);
+  const bool doubtful = apart > kDoubtfulTurn;
   return search_.find(stages, map_, source.points, map_points, guess, others, T_world_middle_,
-                      coarse_settings);
+                      coarse_settings, doubtful);
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {

@@ -26,9 +26,19 @@ PoseSearch::PoseSearch(const Options& options, double voxel_size)
 ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, const Points& source,
                                   const Points& map_points, const Pose& guess,
                                   const std::vector<Pose>& others, const Pose& last,
-                                  const RegistrationKernel& kernel) {
+                                  const RegistrationKernel& kernel, bool doubtful) {
+  Pose first = guess;
+  if (doubtful) {
+    double nearest = mean_distance(map, source, guess, voxel_size_);
+    for (const Pose& pose : others) {
+      const double d = mean_distance(map, source, pose, voxel_size_);
+      if (d >= nearest) continue;
+      nearest = d;
+      first = pose;
+    }
+  }
   // Where registrations began and came to: from near there another leads to the same place.
-  std::vector<Pose> visited{guess, stages.coarse(guess).pose};
+  std::vector<Pose> visited{first, stages.coarse(first).pose};
   ScanRegistration best = stages.fine(visited.back());
   if (map.empty() || source.empty()) return best;
   double distance = mean_distance(map, source, best.pose, voxel_size_);
