@@ -54,10 +54,11 @@ Verdict examine_recording(const std::string& path) {
   add(info.out_of_order, "scans are out of order", "nothing: they are put in order");
   add(info.duplicates, "scans are there twice", "nothing: one of each is used");
   if (info.point_times == "none") {
-    remarks.push_back({Trust::careful,
-                       "Points have no times of their own: scans are taken as deskewed, and what the "
-                       "sensor moved within one cannot be put right.",
-                       "--fields, if they have times under another name"});
+    remarks.push_back(
+        {Trust::careful,
+         "Points have no times of their own: scans are taken as deskewed, and what the "
+         "sensor moved within one cannot be put right.",
+         "--fields, if they have times under another name"});
   }
   if (recording->size() < 10) {
     remarks.push_back({Trust::untrusted,
