@@ -10,8 +10,8 @@
 
 namespace groundloop {
 
-/// "GCHECK05": the first eight bytes of a checkpoint; another version has another number.
-inline constexpr std::uint64_t kCheckpointMagic = 0x35304b4345484347ULL;
+/// "GCHECK06": the first eight bytes of a checkpoint; another version has another number.
+inline constexpr std::uint64_t kCheckpointMagic = 0x36304b4345484347ULL;
 
 class Checkpoint {
  public:

@@ -53,9 +53,10 @@ ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, con
   };
   const auto attempt = [&](const Pose& start) {
     if (seen(start)) return;
-    visited.push_back(start);
     const Pose coarse = stages.coarse(start).pose;
-    if (seen(coarse)) return;
+    const bool known = seen(coarse);  // by an earlier start, not by this one, which may be right
+    visited.push_back(start);
+    if (known) return;
     visited.push_back(coarse);
     const ScanRegistration found = stages.fine(coarse);
     const double d = mean_distance(map, source, found.pose, voxel_size_);
