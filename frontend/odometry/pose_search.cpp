@@ -11,6 +11,8 @@ namespace {
 
 // Weight of the newest scan in the running mean, once it has settled.
 constexpr double kGain = 0.05;
+// So many searches in a row without a better start, and scans are taken for what they are.
+constexpr std::uint64_t kPatience = 5;
 // The wide registration only has to come near.
 constexpr int kWideIterations = 50;
 // Starts this near to each other end alike, voxels and rad.
@@ -64,7 +66,9 @@ ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, con
     distance = d;
     best = found;
   };
-  if (poor()) {
+  const bool searched = poor();
+  const double at_first = distance;
+  if (searched) {
     const SweepPoints wide{
         downsampler_(map_points, 1.5F * static_cast<float>(options_.scale * voxel_size_)), {}};
     RegistrationKernel wide_kernel = kernel;
@@ -86,6 +90,10 @@ ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, con
   }
   ++scans_;
   usual_ += std::max(kGain, 1.0 / static_cast<double>(scans_)) * (distance - usual_);
+  // Where no start has led nearer time after time, it is the scene that is unusual: the next scan
+  // of it is not searched for unless it lies farther still.
+  if (searched) fruitless_ = distance == at_first ? fruitless_ + 1 : 0;
+  if (searched && fruitless_ >= kPatience) usual_ = std::max(usual_, distance / options_.poor);
   return best;
 }
 
@@ -101,12 +109,14 @@ void PoseSearch::remove_beyond(const Eigen::Vector3d& center, float distance) {
 void PoseSearch::save(std::ostream& out) const {
   put(out, usual_);
   put(out, scans_);
+  put(out, fruitless_);
   wide_map_.save(out);
 }
 
 void PoseSearch::load(std::istream& in) {
   get(in, usual_);
   get(in, scans_);
+  get(in, fruitless_);
   wide_map_.load(in);
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <vector>
@@ -66,6 +67,7 @@ class PoseSearch {
   VoxelDownsampler downsampler_;
   double usual_ = 0.0;  // mean distance from the map, m
   std::size_t scans_ = 0;
+  std::uint64_t fruitless_ = 0;  // searches since one that found a better start
 };
 
 }  // namespace groundloop
