@@ -79,7 +79,6 @@ void for_each_section(Self& config, F&& f) {
   f("pose_graph", config.slam.pose_graph);
   f("revisits", config.slam.revisits);
   f("map_quality", config.slam.map_quality);
-  f("planted_closures", config.slam.planted_closures);
   f("map", config.map);
   f("report", config.report);
   f("connection", config.connection);

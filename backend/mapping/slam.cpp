@@ -52,7 +52,6 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOut
   result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
-  plant_false_closures(options.planted_closures, result.odometry, result.maps, result.closures);
   const SolverInput input{
       result.odometry,      options.levelling,    options.odometry_information,
       options.pose_graph,   options.revisits,     options.map_quality,

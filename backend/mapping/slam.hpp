@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "backend/mapping/closure_finder.hpp"
-#include "backend/mapping/planted_closures.hpp"
 #include "backend/mapping/session_solver.hpp"
 #include "backend/mapping/stage_times.hpp"
 #include "backend/session/session_output.hpp"
@@ -50,7 +49,6 @@ struct SlamOptions {
   OptimizerOptions pose_graph = robust_optimizer();  ///< closures of a recording are to be judged
   RevisitOptions revisits;
   MapQualityOptions map_quality;
-  PlantedClosureOptions planted_closures;
 };
 
 struct SlamResult {

@@ -1,8 +1,8 @@
-#include "backend/mapping/planted_closures.hpp"
+#include "tests/support/planted_closures.hpp"
 
 #include <gtest/gtest.h>
 
-namespace groundloop {
+namespace groundloop::testing {
 namespace {
 
 // Twenty maps of one scan each, 100 m apart, and one closure of truth.
@@ -37,7 +37,7 @@ TEST(PlantedClosures, AreNoneByDefault) {
 
 TEST(PlantedClosures, NearOnesAreFiveToTwentyMetresFromAnAcceptedOne) {
   Session session;
-  PlantedClosureOptions options;
+  PlantedClosures options;
   options.near = 30;
   plant_false_closures(options, session.odometry, session.maps, session.closures);
   ASSERT_EQ(session.closures.size(), 31u);
@@ -53,7 +53,7 @@ TEST(PlantedClosures, NearOnesAreFiveToTwentyMetresFromAnAcceptedOne) {
 
 TEST(PlantedClosures, AGroupAgreesOverOdometry) {
   Session session;
-  PlantedClosureOptions options;
+  PlantedClosures options;
   options.groups = 1;
   plant_false_closures(options, session.odometry, session.maps, session.closures);
   ASSERT_EQ(session.closures.size(), 5u);
@@ -70,7 +70,7 @@ TEST(PlantedClosures, AGroupAgreesOverOdometry) {
 }
 
 TEST(PlantedClosures, AreTheSameEachTime) {
-  PlantedClosureOptions options;
+  PlantedClosures options;
   options.random = 5;
   Session a, b;
   plant_false_closures(options, a.odometry, a.maps, a.closures);
@@ -81,4 +81,4 @@ TEST(PlantedClosures, AreTheSameEachTime) {
 }
 
 }  // namespace
-}  // namespace groundloop
+}  // namespace groundloop::testing

@@ -1,18 +1,30 @@
-#include "backend/mapping/planted_closures.hpp"
+// False closures planted among those of a session, with tight information, to test that the back
+// end holds against them: random ones, groups of neighbouring maps that agree with each other, and
+// ones at true places but 5 to 20 m off. They pass for verified ones and have no matches.
+#pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <utility>
+#include <vector>
 
-namespace groundloop {
-namespace {
+#include "backend/session/session.hpp"
+#include "frontend/core/trajectory.hpp"
 
-constexpr int kApart = 4;  // maps, as the detector keeps
+namespace groundloop::testing {
+
+struct PlantedClosures {
+  int random = 0;      ///< between maps drawn at random, up to 50 m and at any heading
+  int groups = 0;      ///< between successive maps that agree: one street taken for another
+  int group_size = 4;  ///< closures of a group
+  int near = 0;        ///< 5 to 20 m off, each beside one that verification accepted
+  int seed = 1;
+};
 
 class Planter {
  public:
-  Planter(const PlantedClosureOptions& options, const Trajectory& odometry,
+  Planter(const PlantedClosures& options, const Trajectory& odometry,
           const std::vector<LocalMapRecord>& maps, std::vector<ClosureRecord>& closures)
       : options_(options), maps_(static_cast<int>(maps.size())), closures_(closures) {
     generator_.seed(static_cast<std::uint64_t>(options.seed));
@@ -38,6 +50,8 @@ class Planter {
   }
 
  private:
+  static constexpr int kApart = 4;  // maps, as the detector keeps
+
   // mt19937_64 by hand: distributions differ from one standard library to another.
   int draw(int below) { return static_cast<int>(generator_() % static_cast<std::uint64_t>(below)); }
   double uniform(double low, double high) {
@@ -80,19 +94,19 @@ class Planter {
     closures_.push_back(std::move(record));
   }
 
-  const PlantedClosureOptions& options_;
+  const PlantedClosures& options_;
   int maps_;
   std::vector<ClosureRecord>& closures_;
   std::vector<Pose> T_world_map_;
   std::mt19937_64 generator_;
 };
 
-}  // namespace
-
-void plant_false_closures(const PlantedClosureOptions& options, const Trajectory& odometry,
-                          const std::vector<LocalMapRecord>& maps,
-                          std::vector<ClosureRecord>& closures) {
+/// Adds closures that pass for verified ones to `closures`. Maps need to be more than a handful for
+/// there to be pairs to draw from; else nothing is planted.
+inline void plant_false_closures(const PlantedClosures& options, const Trajectory& odometry,
+                                 const std::vector<LocalMapRecord>& maps,
+                                 std::vector<ClosureRecord>& closures) {
   Planter(options, odometry, maps, closures).plant();
 }
 
-}  // namespace groundloop
+}  // namespace groundloop::testing
