@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 #include "backend/graph/chains.hpp"
 #include "backend/graph/odometry_tree.hpp"
+#include "backend/graph/single_threaded_algebra.hpp"
 #include "backend/judging/closure_groups.hpp"
 #include "backend/judging/graph_evidence.hpp"
 #include "backend/judging/pairwise_consistency.hpp"
+#include "frontend/core/parallel.hpp"
 
 namespace groundloop {
 namespace {
@@ -24,7 +27,7 @@ constexpr double kLogScaleUpward = 1.0;
 constexpr double kLogScaleDownward = 0.35;
 // Factors of sqrt(2) from a half to sixteen times.
 constexpr double kSmallest = 0.5;
-constexpr int kScales = 11;
+constexpr std::size_t kScales = 11;
 constexpr std::size_t kStated = 2;  // place of scale 1 among them
 
 // Weighs verdicts on one graph with its odometry at one scale.
@@ -165,14 +168,27 @@ OdometryScale estimate_odometry_scale(const PoseGraph& graph, const ScaleOptions
                                       const Progress& progress) {
   OdometryScale result;
   const CondensedGraph condensed = condense_chains(graph);
-  const Search search(condensed, options, progress);
+  // Scales are tried at the same time; what they tell the caller comes one at a time.
+  std::mutex telling;
+  Progress told;
+  if (progress) {
+    told = [&](const std::string& stage, std::size_t done, std::size_t total) {
+      const std::lock_guard lock(telling);
+      progress(stage, done, total);
+    };
+  }
+  const Search search(condensed, options, told);
   if (!search.has_answer()) return result;
   if (!options.estimate) {
     result.trials.push_back(search.at(0.0));
     return result;
   }
-  for (int i = 0; i < kScales; ++i)
-    result.trials.push_back(search.at(std::log(kSmallest) + 0.5 * std::numbers::ln2 * i));
+  const SingleThreadedAlgebra one_thread;  // each scale has one, whichever ends first
+  result.trials.resize(kScales);
+  parallel_for(kScales, 1, [&](std::size_t i) {
+    result.trials[i] =
+        search.at(std::log(kSmallest) + 0.5 * std::numbers::ln2 * static_cast<double>(i));
+  });
   // The stated scale stands where no trial says anything.
   result.best = kStated;
   for (std::size_t i = 0; i < result.trials.size(); ++i) {

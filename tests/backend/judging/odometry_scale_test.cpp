@@ -1,10 +1,12 @@
 #include "backend/judging/odometry_scale.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "backend/judging/closure_groups.hpp"
+#include "frontend/core/error.hpp"
 #include "tests/support/false_closures.hpp"
 #include "tests/support/simulated_graph.hpp"
 
@@ -25,6 +27,25 @@ TEST(OdometryScale, StaysNearOneWhereAllClosuresAreFalse) {
   const OdometryScale found = estimate_odometry_scale(simulated.graph);
   EXPECT_LT(found.scale, 2.0);
   EXPECT_EQ(found.trials[found.best].accepted, 0);
+}
+
+// Scales are tried at the same time.
+TEST(OdometryScale, TellsProgressFromOneThreadAtATimeAndCanBeInterrupted) {
+  const testing::SimulatedGraph simulated = testing::simulate_graph(1200, 12, kLap, 8);
+  std::atomic<int> inside = 0;
+  int told = 0;
+  const Progress count = [&](const std::string&, std::size_t, std::size_t) {
+    EXPECT_EQ(++inside, 1);
+    ++told;
+    --inside;
+  };
+  const double scale = estimate_odometry_scale(simulated.graph, {}, count).scale;
+  EXPECT_GT(told, 11);
+  EXPECT_EQ(scale, estimate_odometry_scale(simulated.graph).scale);
+  const Progress stop = [&](const std::string&, std::size_t, std::size_t) {
+    if (--told == 0) throw Interrupted();
+  };
+  EXPECT_THROW((void)estimate_odometry_scale(simulated.graph, {}, stop), Interrupted);
 }
 
 TEST(OdometryScale, OneTrueClosureTellsOfWorseOdometry) {
