@@ -1,5 +1,6 @@
 // `groundloop evaluate map SESSION [--truth MAP]`: how sharp a map is, on its own, against the same
 // scans at true poses, and against a true map.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -34,17 +35,26 @@ struct Arguments {
   bool json = false;
 };
 
+// Where there is room for the session; else, where it may not be written, where there is any.
+fs::path scratch_folder(const SessionFolder& session) {
+  const bool writable = ::access(session.path().c_str(), W_OK) == 0;
+  return writable ? session.path() : fs::temp_directory_path();
+}
+
 MapMeasures measure(const std::vector<MapPiece>& pieces, const SessionFolder& session,
                     double cell) {
-  // Where there is room for the session; else, where it may not be written, where there is any.
-  const bool writable = ::access(session.path().c_str(), W_OK) == 0;
-  const fs::path folder = writable ? session.path() : fs::temp_directory_path();
   // A whole number of cells, so that none lies in two tiles.
-  PointTiles tiles(folder, 50.0 * cell);
+  PointTiles tiles(scratch_folder(session), 50.0 * cell);
+  std::uint32_t offset = 0, last = 0;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     // Recordings do not follow one another.
-    const auto tag = static_cast<std::uint32_t>(p + 2U * pieces[p].session);
-    tiles.add(points_in_world(pieces[p]), tag);
+    if (p > 0 && pieces[p].session != pieces[p - 1].session) offset = last + 2;
+    std::vector<WorldPoint> points = points_in_world(pieces[p]);
+    for (WorldPoint& point : points) {
+      point.tag += offset;
+      last = std::max(last, point.tag);
+    }
+    tiles.add(points);
   }
   return measure_map(tiles, cell);
 }
@@ -117,28 +127,29 @@ std::optional<TruePoses> true_poses_if_any(const Arguments& arguments,
   }
 }
 
-std::vector<MapPiece> at_true_poses(const SessionFolder& session, const TruePoses& truth) {
-  const Trajectory odometry = read_tum(session.file("odometry.tum"));
-  std::vector<MapPiece> pieces;
-  for (const LocalMapRecord& map : read_local_maps(session.file("local_maps.csv")))
-    pieces.push_back(bent_piece(session.local_map(map.map), map, odometry, truth.trajectory));
-  return pieces;
-}
-
-Points all_points(const std::vector<MapPiece>& pieces) {
-  Points points;
-  for (const MapPiece& piece : pieces) {
-    for (const Eigen::Vector3d& p : points_in_world(piece)) points.push_back(p.cast<float>());
+// The points of the map, one a voxel.
+class MapPoints : public PointCloudWriter {
+ public:
+  void write(std::span<const ExportPoint> points) override {
+    for (const ExportPoint& point : points) all.push_back(point.position.cast<float>());
+    count_ = all.size();
   }
-  return points;
+  void finish() override {}
+  Points all;
+};
+
+Points map_points(const std::vector<MapPiece>& pieces, const SessionFolder& session) {
+  MapPoints map;
+  assemble_map(pieces, {}, map, scratch_folder(session));
+  return std::move(map.all);
 }
 
 // A true map may lie in the session's world, or in that of its ground truth: the guess from which
 // more of it matches.
-Json compare(const Arguments& arguments, const std::vector<MapPiece>& pieces,
-             const std::vector<Pose>& guesses) {
+Json compare(const Arguments& arguments, const SessionFolder& session,
+             const std::vector<MapPiece>& pieces, const std::vector<Pose>& guesses) {
   const Points truth = read_point_cloud(arguments.truth);
-  const Points map = all_points(pieces);
+  const Points map = map_points(pieces, session);
   std::optional<MapComparison> best;
   for (const Pose& guess : guesses) {
     const PoseF T(align_maps(map, truth, guess, arguments.limit));
@@ -174,13 +185,13 @@ void run(const Arguments& arguments, Context& context) {
   Json json{{"definitions", map_measure_definitions()}, {"map", to_json(own)}};
   std::optional<MapMeasures> at_truth;
   if (truth) {
-    at_truth = measure(at_true_poses(session, *truth), session, arguments.cell);
+    at_truth = measure(pieces_of(session, truth->trajectory).pieces, session, arguments.cell);
     json["at_true_poses"] = to_json(*at_truth);
   }
   if (!arguments.truth.empty()) {
     std::vector<Pose> guesses{Pose()};
     if (truth) guesses.push_back(truth->T_truth_world);
-    json["against_true_map"] = compare(arguments, pieces.pieces, guesses);
+    json["against_true_map"] = compare(arguments, session, pieces.pieces, guesses);
   }
   if (arguments.json) {
     std::printf("%s\n", json.dump(2).c_str());

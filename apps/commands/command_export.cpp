@@ -42,7 +42,7 @@ void run(const Arguments& arguments, const Context& context) {
     throw InputError(
         "--uncertainty, --from and --to are of poses; give --out a name ending in .csv");
   const SessionFolder session{fs::path(arguments.session)};
-  const auto [pieces, sessions, apart] = pieces_of(session);
+  const auto [pieces, sessions, from_local_maps, apart] = pieces_of(session);
   for (const std::string& name : apart) {
     spdlog::warn(
         "'{}' is not connected to the first recording and is left out; export its own "
@@ -50,15 +50,21 @@ void run(const Arguments& arguments, const Context& context) {
         name);
   }
   const fs::path out(arguments.out);
-  const auto writer = open_point_cloud_writer(out, sessions > 1);
+  const auto writer = open_point_cloud_writer(out, fields_of(pieces, sessions > 1));
   stop_on_signals();
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
   const auto points =
       assemble_map(pieces, arguments.options, *writer, folder, make_progress(context));
   writer->finish();
   end_progress();
+  if (from_local_maps > 0) {
+    spdlog::info(
+        "{} of {} recordings kept no scans: their part of the map is put together from local maps, "
+        "as odometry built them",
+        from_local_maps, sessions);
+  }
   if (!context.quiet) {
-    std::printf("%s: %llu points of %zu local maps\n", arguments.out.c_str(),
+    std::printf("%s: %llu points of %zu files of scans or local maps\n", arguments.out.c_str(),
                 static_cast<unsigned long long>(points), pieces.size());
   }
 }

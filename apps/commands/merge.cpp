@@ -157,9 +157,9 @@ std::map<std::string, GroundTruth> read_ground_truths(const MergeRequest& reques
   return truths;
 }
 
-// Maps keep their files: linked where the disk allows it, else copied.
-void bring_local_maps(const SessionFolder& out, const MergeResult& result,
-                      const std::vector<StoredSession>& sessions) {
+// Maps and scans keep their files: linked where the disk allows it, else copied.
+void bring_files(const SessionFolder& out, const MergeResult& result,
+                 const std::vector<StoredSession>& sessions) {
   for (const MergedPart& part : result.parts) {
     for (const LocalMapRecord& map : part.maps) {
       const fs::path from =
@@ -167,8 +167,13 @@ void bring_local_maps(const SessionFolder& out, const MergeResult& result,
       const fs::path to = out.local_map(part.first_map + map.map);
       link_or_copy(from, to);
     }
+    for (std::size_t n = 0; n < part.source->scan_files; ++n) {
+      link_or_copy(sessions[part.session].folder.scan_file(part.source->first_scan_file + n),
+                   out.scan_file(part.first_scan_file + n));
+    }
   }
   sync_folder(out.path() / "local_maps");
+  if (fs::exists(out.path() / "scans")) sync_folder(out.path() / "scans");
 }
 
 void write_map(const SessionFolder& out, const MergeResult& result, const MapSection& options,
@@ -177,12 +182,12 @@ void write_map(const SessionFolder& out, const MergeResult& result, const MapSec
   for (std::size_t p = 0; p < result.parts.size(); ++p) {
     const MergedPart& part = result.parts[p];
     if (part.frame != result.parts.front().frame) continue;
-    for (const LocalMapRecord& map : part.maps) {
-      pieces.push_back(bent_piece(out.local_map(part.first_map + map.map), map, part.odometry,
-                                  part.trajectory, static_cast<std::uint16_t>(p)));
-    }
+    const std::vector<MapPiece> own = recording_pieces(
+        out, {part.maps, part.odometry, part.trajectory, part.first_map, part.first_scan_file,
+              part.source->scan_files, static_cast<std::uint16_t>(p)});
+    pieces.insert(pieces.end(), own.begin(), own.end());
   }
-  const auto writer = open_point_cloud_writer(out.file("map.pcd"), true);
+  const auto writer = open_point_cloud_writer(out.file("map.pcd"), fields_of(pieces, true));
   MapAssemblyOptions assembly;
   assembly.voxel_size = options.voxel_size;
   assemble_map(pieces, assembly, *writer, out.path(), progress);
@@ -312,7 +317,7 @@ void merge_recordings(const MergeRequest& request, Context& context) {
   options.on_matched = [&](const PairMatches& pair) { kept.keep(pair); };
   try {
     const MergeResult result = merge_sessions(sessions, matches, fixed, options, progress);
-    bring_local_maps(out, result, sessions);
+    bring_files(out, result, sessions);
     write_tables(out, result, request.config.slam.loop_closure);
     const auto map_start = Clock::now();
     if (request.config.map.write) write_map(out, result, request.config.map, progress);

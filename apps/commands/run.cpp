@@ -55,14 +55,13 @@ class RunLog {
 
 void write_map(const SessionFolder& folder, const SlamResult& result, double voxel_size,
                const Progress& progress) {
-  std::vector<MapPiece> pieces;
-  for (const LocalMapRecord& map : result.maps)
-    pieces.push_back(
-        bent_piece(folder.local_map(map.map), map, result.odometry, result.solution.trajectory));
+  const std::vector<MapPiece> pieces = recording_pieces(
+      folder,
+      {result.maps, result.odometry, result.solution.trajectory, 0, 0, result.scan_files, 0});
   MapAssemblyOptions options;
   options.voxel_size = voxel_size;
   const std::unique_ptr<PointCloudWriter> writer =
-      open_point_cloud_writer(folder.file("map.pcd"), false);
+      open_point_cloud_writer(folder.file("map.pcd"), fields_of(pieces, false));
   assemble_map(pieces, options, *writer, folder.path(), progress);
   writer->finish();
 }
@@ -128,12 +127,14 @@ void log_recording(const Recording& recording) {
   for (const std::string& note : info.notes) spdlog::info("{}", note);
 }
 
-// Local maps and the map are nearly all of a session: 50 MB a kilometre each where 64 beams see a
-// town. The way is not known yet; a scan a metre is many.
-void check_room(const fs::path& folder, std::size_t scans) {
-  constexpr double kPerScan = 0.1;  // MB
+// Local maps, the map and kept scans are nearly all of a session: 30 to 80, 20
+// and 25 to 110 MB a kilometre where 64 beams see a town. The way is not known yet; a scan a metre
+// is many, and more of them are not kept.
+void check_room(const fs::path& folder, std::size_t scans, bool kept) {
+  constexpr double kPerScan = 0.1, kPerKeptScan = 0.07;  // MB
   constexpr double kLeast = 20.0;
-  const double needed = kLeast + kPerScan * static_cast<double>(scans);
+  const double per_scan = kPerScan + (kept ? kPerKeptScan : 0.0);
+  const double needed = kLeast + per_scan * static_cast<double>(scans);
   const double free = static_cast<double>(free_space(folder)) / 1e6;
   spdlog::info("the session will take up to some {:.0f} MB; {:.0f} MB are free", needed, free);
   if (free < kLeast) {
@@ -154,7 +155,8 @@ Manifest manifest_of(const SessionFolder& session, const Recording& recording,
   manifest.sensor = recording.info().sensor;
   manifest.scans = result.odometry.size();
   manifest.local_maps = result.maps.size();
-  manifest.checksums = checksums_of(session, manifest.local_maps);
+  manifest.scan_files = result.scan_files;
+  manifest.checksums = checksums_of(session, manifest.local_maps, manifest.scan_files);
   return manifest;
 }
 
@@ -184,6 +186,7 @@ void run_recording(const RunRequest& request, Context& context) {
   validate_config(request.config);
   RecordingOptions reading = request.reading;
   reading.elevation_correction = request.config.recording.elevation_correction;
+  reading.attributes.intensity = request.config.slam.kept_scans.keep;
   const auto opening = Clock::now();
   const std::unique_ptr<Recording> recording = open_any_recording(request.recording, reading);
   const double opening_s = seconds_since(opening);
@@ -204,7 +207,7 @@ void run_recording(const RunRequest& request, Context& context) {
   try {
     const RunLog log(session.file("run.log"), output.state() == SessionOutput::State::resumed);
     log_recording(*recording);
-    check_room(session.path(), recording->size());
+    check_room(session.path(), recording->size(), request.config.slam.kept_scans.keep);
     stop_on_signals();
     const Progress progress = make_progress(context);
     SlamResult result = run_slam(*recording, request.config.slam, output, progress);

@@ -64,6 +64,7 @@ template <typename Self, typename F>
 void for_each_section(Self& config, F&& f) {
   f("recording", config.recording);
   f("keeping", config.slam.keeping);
+  f("kept_scans", config.slam.kept_scans);
   f("odometry", config.slam.odometry);
   f("local_maps", config.slam.local_maps);
   f("ground_alignment", config.slam.loop_closure.ground_alignment);

@@ -161,6 +161,8 @@ Manifest merge_manifest(const SessionFolder& folder, const MergeResult& result,
     entry.first_scan = part.first_scan;
     entry.local_maps = part.maps.size();
     entry.first_map = static_cast<std::size_t>(part.first_map);
+    entry.scan_files = part.source->scan_files;
+    entry.first_scan_file = part.first_scan_file;
     entry.frame = name_of(result, part.frame);
     entry.connected =
         std::count_if(result.parts.begin(), result.parts.end(),
@@ -168,11 +170,12 @@ Manifest merge_manifest(const SessionFolder& folder, const MergeResult& result,
     entry.fixed = part.fixed;
     manifest.scans += entry.scans;
     manifest.local_maps += entry.local_maps;
+    manifest.scan_files += entry.scan_files;
     manifest.parts.push_back(std::move(entry));
   }
   manifest.left_out = left_out;
   manifest.connections = result.notes;
-  manifest.checksums = checksums_of(folder, manifest.local_maps);
+  manifest.checksums = checksums_of(folder, manifest.local_maps, manifest.scan_files);
   return manifest;
 }
 

@@ -101,6 +101,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
        {{"read", t.read},
         {"odometry", t.odometry},
         {"local_maps", t.local_maps},
+        {"keeping", t.keeping},
         {"ground_alignment", t.ground_alignment},
         {"density_image", t.density_image},
         {"features", t.features},

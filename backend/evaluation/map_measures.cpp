@@ -41,21 +41,20 @@ class Measurer {
  public:
   explicit Measurer(double cell) : cell_(cell) {}
 
-  void add_tile(std::vector<TilePoint> points) {
-    // In the order of the recording, so that stretches that follow one another come together.
-    std::stable_sort(points.begin(), points.end(),
-                     [](const TilePoint& a, const TilePoint& b) { return a.tag < b.tag; });
-    VoxelTable index(points.size() / 8 + 1);
+  void add_tile(const PointTiles& tiles, const PointTiles::Key& key) {
+    VoxelTable index;
     std::vector<Cell> cells;
     const auto inverse = static_cast<float>(1.0 / cell_);
-    for (const TilePoint& point : points) {
-      if (point.offset.cwiseAbs().maxCoeff() > 1e5F) continue;
-      const Eigen::Vector3i voxel = voxel_of(point.offset, inverse);
-      const auto next = static_cast<std::uint32_t>(cells.size());
-      const std::uint32_t number = index.find_or_insert(voxel_key(voxel), next);
-      if (number == next) cells.push_back({voxel.cast<float>() * static_cast<float>(cell_), {}});
-      add(cells[number], point);
-    }
+    tiles.for_each_chunk(key, [&](std::span<const TilePoint> points) {
+      for (const TilePoint& point : points) {
+        if (point.offset.cwiseAbs().maxCoeff() > 1e5F) continue;
+        const Eigen::Vector3i voxel = voxel_of(point.offset, inverse);
+        const auto next = static_cast<std::uint32_t>(cells.size());
+        const std::uint32_t number = index.find_or_insert(voxel_key(voxel), next);
+        if (number == next) cells.push_back({voxel.cast<float>() * static_cast<float>(cell_), {}});
+        add(cells[number], point);
+      }
+    });
     for (const Cell& cell : cells) judge(cell);
   }
 
@@ -126,7 +125,7 @@ class Measurer {
 
 MapMeasures measure_map(const PointTiles& tiles, double cell) {
   Measurer measurer(cell);
-  for (const PointTiles::Key& key : tiles.keys()) measurer.add_tile(tiles.read(key));
+  for (const PointTiles::Key& key : tiles.keys()) measurer.add_tile(tiles, key);
   return measurer.result();
 }
 

@@ -38,9 +38,9 @@ struct MapMeasures {
   double cell_m = 0.0;
 };
 
-/// Measures the points of all tiles, whose tags number the stretches of recording they come from:
-/// numbers that follow one another are one visit. Cells of `cell` metres; tile edges must be whole
-/// numbers of them.
+/// Measures the points of all tiles, whose tags number the stretches of recording they come from,
+/// and which were added in the order of their tags: numbers that follow one another are one visit.
+/// Cells of `cell` metres; tile edges must be whole numbers of them.
 [[nodiscard]] MapMeasures measure_map(const PointTiles& tiles, double cell);
 
 /// The definitions above, for whoever reads the figures.

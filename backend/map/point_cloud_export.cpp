@@ -36,61 +36,74 @@ std::string padded_header(const std::string& before_comment, const std::string& 
   return text + "\n" + after_comment;
 }
 
-std::string pcd_header(std::uint64_t count, bool with_session) {
+std::string pcd_header(std::uint64_t count, const ExportFields& fields) {
   const std::string n = std::to_string(count);
-  const std::string fields =
-      with_session
-          ? "VERSION 0.7\nFIELDS x y z session\nSIZE 4 4 4 2\nTYPE F F F U\nCOUNT 1 1 1 1\n"
-          : "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+  const auto line = [&](const char* name, const char* each, const char* intensity,
+                        const char* session) {
+    return std::string(name) + each + (fields.intensity ? intensity : "") +
+           (fields.session ? session : "") + "\n";
+  };
   return padded_header("", "# .PCD v0.7 - Point Cloud Data file format",
-                       fields + "WIDTH " + n + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n +
-                           "\nDATA binary\n");
+                       "VERSION 0.7\n" + line("FIELDS", " x y z", " intensity", " session") +
+                           line("SIZE", " 4 4 4", " 4", " 2") + line("TYPE", " F F F", " F", " U") +
+                           line("COUNT", " 1 1 1", " 1", " 1") + "WIDTH " + n +
+                           "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n + "\nDATA binary\n");
 }
 
-std::string ply_header(std::uint64_t count, bool with_session) {
+std::string ply_header(std::uint64_t count, const ExportFields& fields) {
   return padded_header("ply\nformat binary_little_endian 1.0\n", "comment groundloop, metres",
                        "element vertex " + std::to_string(count) +
                            "\nproperty float x\nproperty float y\nproperty float z\n" +
-                           (with_session ? "property ushort session\n" : "") + "end_header\n");
+                           (fields.intensity ? "property float intensity\n" : "") +
+                           (fields.session ? "property ushort session\n" : "") + "end_header\n");
 }
 
-// PCD and PLY: a text header and records of three floats.
+// PCD and PLY: a text header and records of floats.
 class FloatWriter : public PointCloudWriter {
  public:
-  using Header = std::string (*)(std::uint64_t count, bool with_session);
+  using Header = std::string (*)(std::uint64_t count, const ExportFields& fields);
 
-  FloatWriter(const std::filesystem::path& file, Header header, bool with_session)
-      : file_(file), header_(header), with_session_(with_session) {
-    file_.write(header_(0, with_session_));
+  FloatWriter(const std::filesystem::path& file, Header header, const ExportFields& fields)
+      : file_(file), header_(header), fields_(fields) {
+    file_.write(header_(0, fields_));
   }
 
   void write(std::span<const ExportPoint> points) override {
     bytes_.clear();
     for (const ExportPoint& point : points) {
       for (int k = 0; k < 3; ++k) append(bytes_, static_cast<float>(point.position[k]));
-      if (with_session_) append(bytes_, point.session);
+      if (fields_.intensity) append(bytes_, point.intensity);
+      if (fields_.session) append(bytes_, point.session);
     }
     file_.write(bytes_.data(), bytes_.size());
     count_ += points.size();
   }
 
   void finish() override {
-    file_.write_at_start(header_(count_, with_session_));
+    file_.write_at_start(header_(count_, fields_));
     file_.commit();
   }
 
  private:
   OutputFile file_;
   Header header_;
-  bool with_session_;
+  ExportFields fields_;
   std::vector<char> bytes_;
 };
+
+// Intensities over the whole of 16 bits, as LAS asks for.
+float las_intensity_scale(const ExportFields& fields) {
+  if (!fields.intensity) return 0.0F;
+  if (fields.largest_intensity <= 1.0F) return 65535.0F;
+  return fields.largest_intensity <= 255.0F ? 257.0F : 1.0F;
+}
 
 // LAS, point data record format 0. The points begin where the longer header of version 1.4 would
 // end, so that the version can be chosen once their number is known.
 class LasWriter : public PointCloudWriter {
  public:
-  explicit LasWriter(const std::filesystem::path& file) : file_(file), name_(file.string()) {
+  LasWriter(const std::filesystem::path& file, const ExportFields& fields)
+      : file_(file), name_(file.string()), intensity_scale_(las_intensity_scale(fields)) {
     const std::vector<char> blank(kHeader14, 0);
     file_.write(blank.data(), blank.size());
   }
@@ -108,7 +121,8 @@ class LasWriter : public PointCloudWriter {
         min_[k] = std::min(min_[k], scaled * kScale);
         max_[k] = std::max(max_[k], scaled * kScale);
       }
-      append(bytes_, std::uint16_t{0});     // intensity
+      const float intensity = std::round(intensity_scale_ * point.intensity);
+      append(bytes_, static_cast<std::uint16_t>(std::clamp(intensity, 0.0F, 65535.0F)));
       append(bytes_, std::uint8_t{1 | 8});  // return 1 of 1
       append(bytes_, std::uint8_t{0});      // never classified
       append(bytes_, std::int8_t{0});       // scan angle
@@ -176,6 +190,7 @@ class LasWriter : public PointCloudWriter {
 
   OutputFile file_;
   std::string name_;
+  float intensity_scale_;
   Eigen::Vector3d min_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d max_ = -min_;
   std::vector<char> bytes_;
@@ -184,13 +199,13 @@ class LasWriter : public PointCloudWriter {
 }  // namespace
 
 std::unique_ptr<PointCloudWriter> open_point_cloud_writer(const std::filesystem::path& file,
-                                                          bool with_session) {
+                                                          const ExportFields& fields) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".pcd") return std::make_unique<FloatWriter>(file, pcd_header, with_session);
-  if (extension == ".ply") return std::make_unique<FloatWriter>(file, ply_header, with_session);
-  if (extension == ".las") return std::make_unique<LasWriter>(file);
+  if (extension == ".pcd") return std::make_unique<FloatWriter>(file, pcd_header, fields);
+  if (extension == ".ply") return std::make_unique<FloatWriter>(file, ply_header, fields);
+  if (extension == ".las") return std::make_unique<LasWriter>(file, fields);
   throw InputError(file.string() + ": unknown ending '" + extension +
                    "'; point clouds are written as .pcd, .ply or .las");
 }

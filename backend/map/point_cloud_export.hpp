@@ -1,7 +1,7 @@
-// Point clouds for other programs: PCD and PLY (binary, float x y z) and LAS (1 mm). Points come in
-// chunks, their number need not be known before; the header is put right at the end, before the
-// file gets its name. Floats hold a millimetre up to 8 km from the origin: larger maps belong in
-// LAS.
+// Point clouds for other programs: PCD and PLY (binary, float x y z and more) and LAS (1 mm).
+// Points come in chunks, their number need not be known before; the header is put right at the end,
+// before the file gets its name. Floats hold a millimetre up to 8 km from the origin: larger maps
+// belong in LAS.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +17,14 @@ namespace groundloop {
 struct ExportPoint {
   Eigen::Vector3d position;  ///< world, m
   std::uint16_t session = 0;
+  float intensity = 0.0F;
+};
+
+/// What a file holds beside positions.
+struct ExportFields {
+  bool session = false;            ///< PCD, PLY: field `session`, uint16; LAS always has it
+  bool intensity = false;          ///< PCD, PLY: field `intensity`, float, as the recording has it
+  float largest_intensity = 0.0F;  ///< what LAS, where it is an uint16, scales by
 };
 
 class PointCloudWriter {
@@ -33,10 +41,10 @@ class PointCloudWriter {
 };
 
 /// By the ending of `file`: .pcd, .ply or .las (version 1.2, 1.4 beyond 4 294 967 295 points).
-/// `with_session` adds the session of each point (PCD, PLY: field `session`, uint16; LAS always
-/// has it, as point source id). Throws InputError for another ending or a folder that cannot be
-/// written.
+/// LAS has the session as point source id, and intensities as its standard has them, normalised to
+/// 16 bits: shares of 1 and counts up to 255 over the whole range, others as they are. Throws
+/// InputError for another ending or a folder that cannot be written.
 [[nodiscard]] std::unique_ptr<PointCloudWriter> open_point_cloud_writer(
-    const std::filesystem::path& file, bool with_session);
+    const std::filesystem::path& file, const ExportFields& fields);
 
 }  // namespace groundloop

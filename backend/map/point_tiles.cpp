@@ -4,22 +4,30 @@
 
 namespace groundloop {
 
-static_assert(sizeof(TilePoint) == 16);
+static_assert(sizeof(TilePoint) == 24);
 
 PointTiles::PointTiles(const std::filesystem::path& folder, double edge)
     : edge_(edge), file_(folder) {}
 
-void PointTiles::add(std::span<const Eigen::Vector3d> points, std::uint32_t tag) {
-  std::map<Key, std::vector<TilePoint>> tiles;
-  for (const Eigen::Vector3d& point : points) {
-    const double x = std::floor(point.x() / edge_);
-    const double y = std::floor(point.y() / edge_);
-    if (!(std::abs(x) < 1e9 && std::abs(y) < 1e9 && std::isfinite(point.z()))) continue;
-    const Eigen::Vector3d offset = point - Eigen::Vector3d(x * edge_, y * edge_, 0.0);
-    tiles[{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)}].push_back(
-        {offset.cast<float>(), tag});
+PointTiles::Sorted PointTiles::sort(std::span<const WorldPoint> points) const {
+  Sorted tiles;
+  std::vector<TilePoint>* tile = nullptr;  // of the point before: most often this one's, too
+  Key last;
+  for (const WorldPoint& point : points) {
+    const double x = std::floor(point.position.x() / edge_);
+    const double y = std::floor(point.position.y() / edge_);
+    if (!(std::abs(x) < 1e9 && std::abs(y) < 1e9 && std::isfinite(point.position.z()))) continue;
+    const Key key{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+    if (tile == nullptr || key != last) tile = &tiles[key];
+    last = key;
+    const Eigen::Vector3d offset = point.position - Eigen::Vector3d(x * edge_, y * edge_, 0.0);
+    tile->push_back({offset.cast<float>(), point.intensity, 1.0F, point.tag});
   }
-  for (const auto& [key, sorted] : tiles)
+  return tiles;
+}
+
+void PointTiles::append(const Sorted& points) {
+  for (const auto& [key, sorted] : points)
     chunks_[key].push_back({file_.append(std::as_bytes(std::span(sorted))), sorted.size()});
 }
 
@@ -29,14 +37,14 @@ std::vector<PointTiles::Key> PointTiles::keys() const {
   return keys;
 }
 
-std::vector<TilePoint> PointTiles::read(const Key& key) const {
+void PointTiles::for_each_chunk(const Key& key,
+                                const std::function<void(std::span<const TilePoint>)>& f) const {
   std::vector<TilePoint> points;
   for (const Chunk& chunk : chunks_.at(key)) {
-    const std::size_t at = points.size();
-    points.resize(at + chunk.count);
-    file_.read(chunk.offset, std::as_writable_bytes(std::span(points).subspan(at)));
+    points.resize(chunk.count);
+    file_.read(chunk.offset, std::as_writable_bytes(std::span(points)));
+    f(points);
   }
-  return points;
 }
 
 }  // namespace groundloop

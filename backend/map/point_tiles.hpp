@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <vector>
@@ -15,9 +16,18 @@
 
 namespace groundloop {
 
-/// A point of a tile: metres from the tile's corner, and what the caller knows it by.
+/// A point of a map.
+struct WorldPoint {
+  Eigen::Vector3d position;  ///< world, m
+  float intensity = 0.0F;    ///< 0 where the recording has none
+  std::uint32_t tag = 0;     ///< what the caller knows it by
+};
+
+/// The same in a tile.
 struct TilePoint {
-  Eigen::Vector3f offset;
+  Eigen::Vector3f offset;  ///< from the tile's corner, m
+  float intensity = 0.0F;
+  float weight = 1.0F;  ///< points that it stands for
   std::uint32_t tag = 0;
 };
 
@@ -32,13 +42,19 @@ class PointTiles {
   /// written.
   PointTiles(const std::filesystem::path& folder, double edge);
 
-  /// Sorts points of the world into tiles; those that are not finite, or further off than any map,
-  /// are left out.
-  void add(std::span<const Eigen::Vector3d> points, std::uint32_t tag);
+  using Sorted = std::map<Key, std::vector<TilePoint>>;
+  /// Points of the world sorted into tiles; those that are not finite, or further off than any map,
+  /// are left out. Writes nothing: may be called from several threads.
+  [[nodiscard]] Sorted sort(std::span<const WorldPoint> points) const;
+  void append(const Sorted& points);
+  void add(std::span<const WorldPoint> points) { append(sort(points)); }
 
   /// In ascending order.
   [[nodiscard]] std::vector<Key> keys() const;
-  [[nodiscard]] std::vector<TilePoint> read(const Key& key) const;
+  /// Calls f for the points of a tile in the order they were added, as many at a time as came
+  /// together. May be called from several threads.
+  void for_each_chunk(const Key& key,
+                      const std::function<void(std::span<const TilePoint>)>& f) const;
   [[nodiscard]] Eigen::Vector3d corner(const Key& key) const {
     return {key.x * edge_, key.y * edge_, 0.0};
   }

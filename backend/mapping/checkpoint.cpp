@@ -91,6 +91,7 @@ void Checkpoint::save(const RunState& state) const {
   put(body, state.scans_finished);
   state.odometry.save(body);
   state.builder.save(body);
+  state.keeper.save(body);
   put_all(body, state.trajectory);
   put_all(body, state.finder.maps());
   std::vector<StoredClosure> closures;
@@ -127,6 +128,7 @@ void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const 
   get(in, state.scans_finished);
   state.odometry.load(in);
   state.builder.load(in);
+  state.keeper.load(in);
   // A right checksum does not say that the numbers fit each other.
   if (!in)
     throw InputError(file_.string() + ": the checkpoint is damaged; run again with --overwrite");

@@ -10,8 +10,8 @@
 
 namespace groundloop {
 
-/// "GCHECK06": the first eight bytes of a checkpoint; another version has another number.
-inline constexpr std::uint64_t kCheckpointMagic = 0x36304b4345484347ULL;
+/// "GCHECK07": the first eight bytes of a checkpoint; another version has another number.
+inline constexpr std::uint64_t kCheckpointMagic = 0x37304b4345484347ULL;
 
 class Checkpoint {
  public:

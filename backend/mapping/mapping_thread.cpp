@@ -1,20 +1,20 @@
 #include "backend/mapping/mapping_thread.hpp"
 
-#include <chrono>
+#include "frontend/core/clock.hpp"
 
 namespace groundloop {
 
-MappingThread::MappingThread(LocalMapBuilder& builder, ClosureFinder& finder)
-    : builder_(builder), finder_(finder), thread_([this] { run(); }) {}
+MappingThread::MappingThread(LocalMapBuilder& builder, ClosureFinder& finder, ScanKeeper& keeper)
+    : builder_(builder), finder_(finder), keeper_(keeper), thread_([this] { run(); }) {}
 
 MappingThread::~MappingThread() { stop(); }
 
-void MappingThread::add(Points points, const Pose& T_world_scan) {
+void MappingThread::add(Points points, std::vector<float> intensity, const Pose& T_world_scan) {
   {
     const std::lock_guard lock(mutex_);
     ++pending_;
   }
-  if (!queue_.push({std::move(points), T_world_scan})) finish();
+  if (!queue_.push({std::move(points), std::move(intensity), T_world_scan})) finish();
 }
 
 void MappingThread::drain() {
@@ -36,10 +36,12 @@ void MappingThread::stop() {
 void MappingThread::run() {
   try {
     while (std::optional<Item> item = queue_.pop()) {
-      const auto start = std::chrono::steady_clock::now();
+      auto start = Clock::now();
       const std::optional<LocalMap> map = builder_.add(item->points, item->T_world_scan);
-      building_seconds_ +=
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      building_seconds_ += seconds_since(start);
+      start = Clock::now();
+      keeper_.add(item->points, item->intensity, item->T_world_scan);
+      keeping_seconds_ += seconds_since(start);
       if (map) finder_.add(*map);
       const std::lock_guard lock(mutex_);
       --pending_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend/mapping/closure_finder.hpp"
+#include "backend/mapping/scan_keeper.hpp"
 #include "backend/mapping/stage_times.hpp"
 #include "frontend/core/trajectory.hpp"
 #include "frontend/local_maps/local_map_builder.hpp"
@@ -13,6 +14,7 @@ struct RunState {
   Odometry odometry;
   LocalMapBuilder builder;
   ClosureFinder finder;
+  ScanKeeper keeper;
   Trajectory trajectory;        ///< by odometry, one pose a scan
   StageTimes times;             ///< of all calls that worked on the session
   bool scans_finished = false;  ///< every scan is registered, the last map finished

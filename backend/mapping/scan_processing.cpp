@@ -23,7 +23,7 @@ class ScanProcessing {
         before_(state.times),
         checkpoint_(checkpoint),
         interval_(seconds),
-        mapping_(state.builder, state.finder),
+        mapping_(state.builder, state.finder, state.keeper),
         reader_(recording, state.trajectory.size(), recording.size() - state.trajectory.size()) {}
 
   void run(const Progress& progress) {
@@ -52,6 +52,7 @@ class ScanProcessing {
     }
     mapping_.finish();
     if (const std::optional<LocalMap> last = state_.builder.finish()) state_.finder.add(*last);
+    state_.keeper.finish();
     state_.scans_finished = true;
     count_times();
     checkpoint_.save(state_);
@@ -63,7 +64,10 @@ class ScanProcessing {
         state_.odometry.add(scan, scan_name(recording_, state_.trajectory.size()));
     odometry_seconds_ += registered.seconds;
     state_.trajectory.push_back({scan.stamp, registered.T_world_scan});
-    mapping_.add(std::move(registered.points), registered.T_world_scan);
+    std::vector<float> intensity;
+    if (state_.keeper.keeps() && !registered.points.empty())
+      intensity = state_.odometry.within_range(scan, scan.attributes.intensity);
+    mapping_.add(std::move(registered.points), std::move(intensity), registered.T_world_scan);
   }
 
   // With every scan so far in its map, so that the state is one of between two scans.
@@ -84,6 +88,7 @@ class ScanProcessing {
     times.read += reader_.seconds_reading();
     times.odometry += odometry_seconds_;
     times.local_maps += mapping_.building_seconds();
+    times.keeping += mapping_.keeping_seconds();
     times.ground_alignment += t.ground_alignment;
     times.density_image += t.density_image;
     times.features += t.features;

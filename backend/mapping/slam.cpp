@@ -37,6 +37,7 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOut
                  LocalMapBuilder(options.local_maps),
                  ClosureFinder(folder, options.loop_closure, options.closures, options.verification,
                                options.registration),
+                 ScanKeeper(folder, options.kept_scans),
                  {},
                  {}};
   const Checkpoint checkpoint(folder, output.identity());
@@ -52,6 +53,7 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOut
   result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
+  result.scan_files = state.keeper.files();
   const SolverInput input{
       result.odometry,      options.levelling,    options.odometry_information,
       options.pose_graph,   options.revisits,     options.map_quality,

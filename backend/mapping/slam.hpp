@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/mapping/closure_finder.hpp"
+#include "backend/mapping/scan_keeper.hpp"
 #include "backend/mapping/session_solver.hpp"
 #include "backend/mapping/stage_times.hpp"
 #include "backend/session/session_output.hpp"
@@ -38,6 +39,7 @@ struct KeepingOptions {
 
 struct SlamOptions {
   KeepingOptions keeping;
+  KeptScanOptions kept_scans;
   OdometryOptions odometry;
   LocalMapOptions local_maps;
   LoopClosureOptions loop_closure;
@@ -56,6 +58,7 @@ struct SlamResult {
   std::size_t predicted_scans = 0;  ///< whose view was blocked
   SessionSolution solution;
   std::vector<LocalMapRecord> maps;  ///< T_world_map optimised
+  std::size_t scan_files = 0;        ///< of kept scans
   std::vector<ClosureRecord> closures;
   StageTimes times;
   double seconds_before = 0.0;  ///< of clock, in earlier calls that a resumed session goes on from

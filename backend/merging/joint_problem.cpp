@@ -26,21 +26,22 @@ JointProblem::JointProblem(const std::vector<StoredSession>& sessions,
                            std::optional<std::size_t> fixed, const MergeOptions& options)
     : options_(options) {
   int maps = 0;
-  std::size_t scans = 0;
+  std::size_t scans = 0, scan_files = 0;
   for (std::size_t s = 0; s < sessions.size(); ++s) {
     const StoredSession& session = sessions[s];
     stores_.push_back(std::make_unique<MapStore>(session.folder, options.matching.registration));
     const auto first_part = static_cast<int>(parts.size());
     const int first_vertex = maps;
     for (const SessionPart& source : session.parts) {
-      MergedPart part{
-          &source,           s,          maps, scans, 0, fixed == s, 1.0, source.odometry,
-          source.trajectory, source.maps};
+      MergedPart part{&source,    s,          maps, scans,           scan_files,
+                      0,          fixed == s, 1.0,  source.odometry, source.trajectory,
+                      source.maps};
       for (const LocalMapRecord& map : part.maps) {
         graph.vertices.push_back({maps++, map.T_world_map, false});
         part_of.push_back(static_cast<int>(parts.size()));
       }
       scans += part.trajectory.size();
+      scan_files += source.scan_files;
       parts.push_back(std::move(part));
     }
     set_frames(session, first_part, parts);

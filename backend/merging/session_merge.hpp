@@ -74,6 +74,7 @@ struct MergedPart {
   std::size_t session = 0;  ///< place of its session in the input
   int first_map = 0;        ///< added to a map's number it gives its id in the merged session
   std::size_t first_scan = 0;
+  std::size_t first_scan_file = 0;  ///< of its kept scans, in the merged session's numbers
   int frame = 0;  ///< the recording in whose frame its poses are; its own number: its own frame
   bool fixed = false;  ///< held as the reference map
   /// Of its odometry's standard deviations, over what its session says; found while connecting.

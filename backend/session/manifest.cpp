@@ -34,6 +34,11 @@ std::size_t count(const Json& object, const char* key, const SessionFolder& fold
   return value.get<std::size_t>();
 }
 
+// Of what sessions of earlier versions do not have.
+std::size_t count_if_any(const Json& object, const char* key, const SessionFolder& folder) {
+  return object.contains(key) ? count(object, key, folder) : 0;
+}
+
 Json identity_document(const SessionIdentity& identity) {
   return {{"command", identity.command},
           {"version", identity.version},
@@ -62,6 +67,8 @@ Json part_document(const ManifestPart& part) {
           {"first_scan", part.first_scan},
           {"local_maps", part.local_maps},
           {"first_map", part.first_map},
+          {"scan_files", part.scan_files},
+          {"first_scan_file", part.first_scan_file},
           {"frame", part.frame},
           {"connected", part.connected},
           {"fixed", part.fixed}};
@@ -77,6 +84,8 @@ ManifestPart part_from(const Json& object, const SessionFolder& folder) {
   part.first_scan = count(object, "first_scan", folder);
   part.local_maps = count(object, "local_maps", folder);
   part.first_map = count(object, "first_map", folder);
+  part.scan_files = count_if_any(object, "scan_files", folder);
+  part.first_scan_file = count_if_any(object, "first_scan_file", folder);
   part.frame = text(object, "frame");
   part.connected = object.at("connected").get<bool>();
   part.fixed = object.at("fixed").get<bool>();
@@ -87,6 +96,7 @@ ManifestPart part_from(const Json& object, const SessionFolder& folder) {
 void check_parts(const Manifest& manifest, const SessionFolder& folder) {
   std::size_t map = 0;
   std::size_t scan = 0;
+  std::size_t scan_file = 0;
   const auto named = [&](const std::string& name) {
     return std::count_if(manifest.parts.begin(), manifest.parts.end(),
                          [&](const ManifestPart& p) { return p.name == name; });
@@ -95,12 +105,14 @@ void check_parts(const Manifest& manifest, const SessionFolder& folder) {
     check_part_name(part.name, folder.file(kFile).string() + ": session");
     if (named(part.name) != 1) fail(folder, "two sessions are called '" + part.name + "'");
     if (named(part.frame) != 1) fail(folder, "frame '" + part.frame + "' is no session's name");
-    if (part.first_map != map || part.first_scan != scan)
+    if (part.first_map != map || part.first_scan != scan || part.first_scan_file != scan_file)
       fail(folder, "session '" + part.name + "' does not follow the one before");
     map += part.local_maps;
     scan += part.scans;
+    scan_file += part.scan_files;
   }
-  if (manifest.merged() && (map != manifest.local_maps || scan != manifest.scans))
+  if (manifest.merged() &&
+      (map != manifest.local_maps || scan != manifest.scans || scan_file != manifest.scan_files))
     fail(folder, "the sessions do not add up to the whole");
 }
 
@@ -110,6 +122,7 @@ Manifest manifest_from(const Json& document, const SessionFolder& folder) {
   manifest.identity = identity_from(document.at("made_by"));
   manifest.scans = count(document, "scans", folder);
   manifest.local_maps = count(document, "local_maps", folder);
+  manifest.scan_files = count_if_any(document, "scan_files", folder);
   if (document.contains("recording")) {
     manifest.recording = document.at("recording");
     (void)text(manifest.recording, "path");  // that all readers ask for
@@ -138,6 +151,7 @@ Json manifest_document(const Manifest& manifest) {
                 {"made_by", identity_document(manifest.identity)},
                 {"scans", manifest.scans},
                 {"local_maps", manifest.local_maps},
+                {"scan_files", manifest.scan_files},
                 {"seed", 0}};
   if (!manifest.recording.is_null()) {
     document["recording"] = manifest.recording;
@@ -244,8 +258,8 @@ void write_manifest(const SessionFolder& folder, const Manifest& manifest) {
   write_text_atomically(folder.file(kFile), manifest_document(manifest).dump(2) + "\n");
 }
 
-std::map<std::string, std::string> checksums_of(const SessionFolder& folder,
-                                                std::size_t local_maps) {
+std::map<std::string, std::string> checksums_of(const SessionFolder& folder, std::size_t local_maps,
+                                                std::size_t scan_files) {
   std::map<std::string, std::string> checksums;
   for (const std::string& name : SessionFolder::lasting_files()) {
     if (fs::exists(folder.file(name))) checksums[name] = hex(checksum_of_file(folder.file(name)));
@@ -253,6 +267,10 @@ std::map<std::string, std::string> checksums_of(const SessionFolder& folder,
   for (std::size_t m = 0; m < local_maps; ++m) {
     const fs::path file = folder.local_map(static_cast<int>(m));
     checksums["local_maps/" + file.filename().string()] = hex(checksum_of_file(file));
+  }
+  for (std::size_t n = 0; n < scan_files; ++n) {
+    const fs::path file = folder.scan_file(n);
+    checksums["scans/" + file.filename().string()] = hex(checksum_of_file(file));
   }
   return checksums;
 }

@@ -41,6 +41,7 @@ struct ManifestPart {
   std::size_t local_maps = 0, first_map = 0;
   std::string frame;  ///< name of the part in whose world its poses are
   bool connected = false, fixed = false;
+  std::size_t scan_files = 0, first_scan_file = 0;  ///< none where no scans were kept
 };
 
 struct ManifestLeftOut {
@@ -51,6 +52,7 @@ struct Manifest {
   SessionStage stage = SessionStage::started;
   SessionIdentity identity;
   std::size_t scans = 0, local_maps = 0;
+  std::size_t scan_files = 0;  ///< 0 where no scans were kept
   /// Of a session of one recording; null in a merged one.
   nlohmann::ordered_json recording;
   std::string sensor;
@@ -81,7 +83,8 @@ void write_manifest(const SessionFolder& folder, const Manifest& manifest);
 
 /// Checksums of the session's files as they lie in the folder.
 [[nodiscard]] std::map<std::string, std::string> checksums_of(const SessionFolder& folder,
-                                                              std::size_t local_maps);
+                                                              std::size_t local_maps,
+                                                              std::size_t scan_files);
 
 /// Throws InputError beginning with `place` unless `name` can be the name of a recording in a
 /// session: it becomes the name of a folder.

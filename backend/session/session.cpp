@@ -53,6 +53,12 @@ fs::path SessionFolder::local_map(int id) const {
   return path_ / "local_maps" / name.data();
 }
 
+fs::path SessionFolder::scan_file(std::size_t n) const {
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "%06zu.bin", n);
+  return path_ / "scans" / name.data();
+}
+
 const std::vector<std::string>& SessionFolder::lasting_files() {
   static const std::vector<std::string> names{
       "config.yaml",    "odometry.tum",         "trajectory.tum", "trajectory.kitti",

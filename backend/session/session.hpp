@@ -56,10 +56,12 @@ class SessionFolder {
   /// that the same run gives the same bytes wherever it is kept, and a folder may be renamed.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::filesystem::path local_map(int id) const;
+  /// The n-th file of kept scans (scan_file.hpp).
+  [[nodiscard]] std::filesystem::path scan_file(std::size_t n) const;
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return path_ / name; }
 
-  /// Files that the same input, configuration and version give the same bytes of; local maps and
-  /// tables of merged parts are such files, too.
+  /// Files that the same input, configuration and version give the same bytes of; local maps, kept
+  /// scans and tables of merged parts are such files, too.
   [[nodiscard]] static const std::vector<std::string>& lasting_files();
   /// Every other file that a session may hold: what holds times or logs, and what an unfinished one
   /// needs to be resumed.

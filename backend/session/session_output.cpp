@@ -45,7 +45,8 @@ void remove_part_folders(const fs::path& sessions) {
   fs::remove(sessions, error);
 }
 
-// Local maps have names of digits, matches of two numbers; other files in their folders stay.
+// Local maps and scans have names of digits, matches of two numbers; other files in their folders
+// stay.
 void remove_numbered(const fs::path& folder, std::string_view extension) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
@@ -107,7 +108,7 @@ bool is_session_name(const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   return in(SessionFolder::lasting_files()) || in(SessionFolder::other_files()) ||
-         name == "local_maps" || name == "matches" || name == "sessions";
+         name == "local_maps" || name == "scans" || name == "matches" || name == "sessions";
 }
 
 // Files that are no session's, under another name where the new session has a file of that name.
@@ -156,6 +157,7 @@ void remove_session_files(const SessionFolder& folder) {
     fs::remove(folder.file(name), error);
   for (const std::string& name : SessionFolder::other_files()) fs::remove(folder.file(name), error);
   remove_numbered(folder.path() / "local_maps", ".pcd");
+  remove_numbered(folder.path() / "scans", ".bin");
   remove_numbered(folder.path() / "matches", ".csv");
   remove_part_folders(folder.path() / "sessions");
   remove_leftovers(folder.path());

@@ -38,6 +38,8 @@ void check_files(const SessionFolder& folder, const Manifest& manifest) {
   // it.
   for (std::size_t m = 0; m < manifest.local_maps; ++m)
     check_file("local_maps/" + folder.local_map(static_cast<int>(m)).filename().string());
+  for (std::size_t n = 0; n < manifest.scan_files; ++n)
+    check_file("scans/" + folder.scan_file(n).filename().string());
 }
 
 // The recordings of a session; one that is not merged has itself as its only part.
@@ -49,6 +51,7 @@ std::vector<ManifestPart> parts_of(const std::string& name, const Manifest& mani
   part.sensor = manifest.sensor;
   part.scans = manifest.scans;
   part.local_maps = manifest.local_maps;
+  part.scan_files = manifest.scan_files;
   return {part};
 }
 
@@ -79,6 +82,8 @@ SessionPart make_part(const SessionFolder& folder, const ManifestPart& span,
   part.recording = span.recording;
   part.sensor = span.sensor;
   part.first_map = static_cast<int>(span.first_map);
+  part.first_scan_file = span.first_scan_file;
+  part.scan_files = span.scan_files;
   part.odometry = slice(odometry, span);
   part.trajectory = slice(trajectory, span);
   for (std::size_t m = 0; m < span.local_maps; ++m) {

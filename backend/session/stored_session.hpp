@@ -24,7 +24,8 @@ struct SessionPart {
   Trajectory odometry;    ///< one pose a scan, world: the first scan
   Trajectory trajectory;  ///< one pose a scan, optimised, in the session's frame
   std::vector<LocalMapRecord> maps;
-  std::vector<MapDescription> descriptions;  ///< one a map, in their order
+  std::vector<MapDescription> descriptions;         ///< one a map, in their order
+  std::size_t first_scan_file = 0, scan_files = 0;  ///< its kept scans, in the session's numbers
   int first_map = 0;  ///< added to a map's number it gives its id in the session's files
   std::uint64_t fingerprint = 0;  ///< of the descriptions; ties a matches file to its session
 };

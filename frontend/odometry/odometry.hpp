@@ -141,6 +141,12 @@ class Odometry {
   /// range) is predicted, with a warning for the first in a row; `name` stands for the scan there.
   RegisteredScan add(const Scan& scan, const std::string& name);
 
+  /// Of `values`, one a point of `scan` or none, those of the points that a RegisteredScan has.
+  [[nodiscard]] std::vector<float> within_range(const Scan& scan,
+                                                const std::vector<float>& values) const {
+    return values_within(scan, values, options_.min_range, options_.max_range);
+  }
+
   /// Whether any scan was registered so far, or began the map.
   [[nodiscard]] bool started() const { return scans_ > 0; }
 

@@ -86,14 +86,19 @@ Points deskew_and_crop(const Scan& scan, const SensorMotion& motion, double refe
   return points;
 }
 
-std::vector<float> times_within(const Scan& scan, double min_range, double max_range) {
+std::vector<float> values_within(const Scan& scan, const std::vector<float>& values,
+                                 double min_range, double max_range) {
   const RangeGate in_range(min_range, max_range);
-  std::vector<float> times;
-  times.reserve(scan.times.size());
-  for (std::size_t i = 0; i < scan.times.size(); ++i) {
-    if (in_range(scan.points[i])) times.push_back(scan.times[i]);
+  std::vector<float> kept;
+  kept.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (in_range(scan.points[i])) kept.push_back(values[i]);
   }
-  return times;
+  return kept;
+}
+
+std::vector<float> times_within(const Scan& scan, double min_range, double max_range) {
+  return values_within(scan, scan.times, min_range, max_range);
 }
 
 Points VoxelDownsampler::operator()(const Points& points, float voxel_size) {

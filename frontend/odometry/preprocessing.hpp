@@ -28,7 +28,11 @@ struct SensorMotion {
 [[nodiscard]] Points deskew_and_crop(const Scan& scan, const SensorMotion& motion,
                                      double reference_time, double min_range, double max_range);
 
-/// The times of the points that deskew_and_crop keeps, in their order, s from the stamp.
+/// Of `values`, one a point of `scan` or none, those of the points that deskew_and_crop keeps, in
+/// their order.
+[[nodiscard]] std::vector<float> values_within(const Scan& scan, const std::vector<float>& values,
+                                               double min_range, double max_range);
+/// The same of the points' times, s from the stamp.
 [[nodiscard]] std::vector<float> times_within(const Scan& scan, double min_range, double max_range);
 
 /// Keeps the first point of each voxel, in order. One object reuses its table from scan to scan.

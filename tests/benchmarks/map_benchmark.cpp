@@ -34,7 +34,7 @@ void assemble_and_export(benchmark::State& state, const std::string& ending) {
   }
   std::uint64_t written = 0;
   for (auto _ : state) {
-    const auto writer = open_point_cloud_writer(folder / ("map." + ending), false);
+    const auto writer = open_point_cloud_writer(folder / ("map." + ending), {});
     written = assemble_map(pieces, {}, *writer, folder);
     writer->finish();
   }

@@ -485,6 +485,7 @@ const std::map<std::string, std::function<Seeds()>>& makers() {
       {"point_cloud2", point_cloud2_seeds},
       {"rosbag", rosbag_seeds},
       {"rosbag2", rosbag2_seeds},
+      {"scan_file", [] { return with_session_files({"scans/000000.bin"}); }},
       {"session", session_seeds},
       {"session_commands", session_command_seeds},
       {"settings",

@@ -262,10 +262,10 @@ TEST(Run, LeavesTheWholeSession) {
   const auto result =
       run_command({"run", (folder / "recording").string(), "--out", (folder / "out").string()});
   ASSERT_EQ(result.exit_code, 0) << result.standard_error;
-  for (const char* name :
-       {"config.yaml", "manifest.json", "odometry.tum", "trajectory.tum", "trajectory.kitti",
-        "closures.csv", "pose_graph.g2o", "local_maps.csv", "local_maps/000000.pcd",
-        "loop_database.bin", "map.pcd", "metrics.json", "report.html", "run.log"}) {
+  for (const char* name : {"config.yaml", "manifest.json", "odometry.tum", "trajectory.tum",
+                           "trajectory.kitti", "closures.csv", "pose_graph.g2o", "local_maps.csv",
+                           "local_maps/000000.pcd", "scans/000000.bin", "loop_database.bin",
+                           "map.pcd", "metrics.json", "report.html", "run.log"}) {
     EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
   }
   for (const auto& entry : fs::recursive_directory_iterator(folder / "out")) {

@@ -30,7 +30,11 @@ MapMeasures measure(
     const std::vector<std::pair<std::uint32_t, std::vector<Eigen::Vector3d>>>& map) {
   const TemporaryFolder folder;
   PointTiles tiles(folder.path(), 10.0);
-  for (const auto& [tag, points] : map) tiles.add(points, tag);
+  for (const auto& [tag, points] : map) {
+    std::vector<WorldPoint> tagged;
+    for (const Eigen::Vector3d& p : points) tagged.push_back({p, 0.0F, tag});
+    tiles.add(tagged);
+  }
   return measure_map(tiles, 1.0);
 }
 

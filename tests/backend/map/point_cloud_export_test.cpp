@@ -41,7 +41,7 @@ std::vector<ExportPoint> some_points(std::size_t n) {
 
 void write_in_chunks(const std::filesystem::path& file, bool with_session,
                      const std::vector<ExportPoint>& points) {
-  const auto writer = open_point_cloud_writer(file, with_session);
+  const auto writer = open_point_cloud_writer(file, {with_session, false, 0.0F});
   const std::span<const ExportPoint> all(points);
   writer->write(all.first(points.size() / 3));
   writer->write(all.subspan(points.size() / 3));
@@ -147,21 +147,61 @@ TEST(PointCloudExport, LasFollowsItsSpecification) {
   }
 }
 
+// The records of a file of one point.
+std::string record_of(const std::filesystem::path& file, const ExportFields& fields,
+                      float intensity, std::size_t header) {
+  const auto writer = open_point_cloud_writer(file, fields);
+  const std::vector<ExportPoint> point{{{1, 2, 3}, 7, intensity}};
+  writer->write(point);
+  writer->finish();
+  return read_text(file).substr(header);
+}
+
+TEST(PointCloudExport, HasIntensitiesWhereTheyAreKnown) {
+  const TemporaryFolder folder;
+  const ExportFields fields{true, true, 200.0F};
+  for (const char* name : {"a.pcd", "a.ply"}) {
+    const std::string record = record_of(folder / name, fields, 123.5F, 384);
+    ASSERT_EQ(record.size(), 4 * sizeof(float) + 2);
+    float intensity = 0.0F;
+    std::memcpy(&intensity, record.data() + 12, sizeof intensity);
+    EXPECT_EQ(intensity, 123.5F);
+    EXPECT_EQ(record[16], 7);
+  }
+  EXPECT_NE(read_text(folder / "a.pcd")
+                .find("FIELDS x y z intensity session\nSIZE 4 4 4 4 2\nTYPE "
+                      "F F F F U\nCOUNT 1 1 1 1 1\n"),
+            std::string::npos);
+  EXPECT_NE(read_text(folder / "a.ply").find("property float intensity\nproperty ushort session"),
+            std::string::npos);
+  // LAS 1.4 R15, table 7: normalised to 16 bits; bytes 12 and 13 of a record.
+  const auto in_las = [&](float largest, float intensity) {
+    const std::string record = record_of(folder / "a.las", {false, true, largest}, intensity, 375);
+    std::uint16_t value = 0;
+    std::memcpy(&value, record.data() + 12, sizeof value);
+    return value;
+  };
+  EXPECT_EQ(in_las(1.0F, 1.0F), 65535);
+  EXPECT_EQ(in_las(255.0F, 255.0F), 65535);
+  EXPECT_EQ(in_las(255.0F, 2.0F), 514);
+  EXPECT_EQ(in_las(3000.0F, 2999.0F), 2999);
+}
+
 TEST(PointCloudExport, LeavesNothingBehindWithoutFinish) {
   const TemporaryFolder folder;
   for (const char* name : {"a.pcd", "a.ply", "a.las"}) {
-    open_point_cloud_writer(folder / name, false)->write(some_points(10));
+    open_point_cloud_writer(folder / name, {})->write(some_points(10));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(PointCloudExport, RefusesWhatItCannotWrite) {
   const TemporaryFolder folder;
-  EXPECT_THROW((void)open_point_cloud_writer(folder / "a.xyz", false), InputError);
+  EXPECT_THROW((void)open_point_cloud_writer(folder / "a.xyz", {}), InputError);
   write_text_atomically(folder / "file", "");
-  EXPECT_THROW((void)open_point_cloud_writer(folder / "file/a.las", false), InputError);
-  const auto writer = open_point_cloud_writer(folder / "a.las", false);
-  const std::vector<ExportPoint> far{{{0, 0, 3e6}, 0}};
+  EXPECT_THROW((void)open_point_cloud_writer(folder / "file/a.las", {}), InputError);
+  const auto writer = open_point_cloud_writer(folder / "a.las", {});
+  const std::vector<ExportPoint> far{{{0, 0, 3e6}, 0, 0.0F}};
   EXPECT_THROW(writer->write(far), InputError);
 }
 

@@ -103,7 +103,7 @@ TEST(StoredSession, HasNoEdgeOfAClosureThatWasRejected) {
   manifest.identity = {"run", "1.2.3", "in", "conf"};
   manifest.scans = manifest.local_maps = kMaps;
   manifest.recording = {{"path", "somewhere"}};
-  manifest.checksums = checksums_of(session, kMaps);
+  manifest.checksums = checksums_of(session, kMaps, 0);
   write_manifest(session, manifest);
 
   const StoredSession stored = load_session(folder.path(), {});

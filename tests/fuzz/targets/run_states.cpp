@@ -30,6 +30,7 @@ RunState small_run_state(const SessionFolder& folder) {
           LocalMapBuilder(maps),
           ClosureFinder(folder, LoopClosureOptions{}, ClosureOptions{}, VerificationOptions{},
                         RegistrationOptions{}),
+          ScanKeeper(folder, KeptScanOptions{}),
           {},
           {},
           false};
@@ -40,6 +41,7 @@ void go_on(RunState& state) {
     const Scan scan = small_scan(state.trajectory.size());
     const RegisteredScan registered = state.odometry.add(scan, "scan");
     state.trajectory.push_back({scan.stamp, registered.T_world_scan});
+    state.keeper.add(registered.points, {}, registered.T_world_scan);
     if (const auto map = state.builder.add(registered.points, registered.T_world_scan))
       state.finder.add(*map);
   }

@@ -2,7 +2,6 @@
 #include "apps/commands/session_pieces.hpp"
 #include "backend/map/map_assembly.hpp"
 #include "backend/session/stored_session.hpp"
-#include "frontend/core/pcd.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/fuzz/targets/sessions.hpp"
 
@@ -23,5 +22,5 @@ GROUNDLOOP_FUZZ_TARGET(session) {
   FUZZ_PROMISE(session.graph.vertices.size() == maps);
   for (const apps::SessionPieces pieces = apps::pieces_of(session.folder);
        const MapPiece& piece : pieces.pieces)
-    (void)read_pcd(piece.file);
+    (void)points_in_world(piece);
 }
