@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# quickstart.sh demo|test|build: installs what is missing from the distribution's packages (Debian 12), configures, builds
-# a release and runs the demo or the tests. A second call does no work twice.
+# quickstart.sh demo|test|build|packages: installs what is missing from the distribution's packages (Debian 12), and but for
+# `packages` configures, builds a release and runs the demo or the tests. A second call does no work twice.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -48,8 +48,10 @@ case "${1:-}" in
     exec ctest --preset release -j "$(nproc)"
     ;;
   build) build ;;
+  # For those who build in another way (apps/packaging/build.sh).
+  packages) install_packages ;;
   *)
-    echo "usage: apps/quickstart.sh demo|test|build" >&2
+    echo "usage: apps/quickstart.sh demo|test|build|packages" >&2
     exit 2
     ;;
 esac

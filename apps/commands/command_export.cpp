@@ -75,7 +75,7 @@ void add_export_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "export", "write the optimised map of a session as PCD, PLY or LAS, or its poses as CSV");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("session", arguments->session, "folder of a session")->required();
+  command->add_option("SESSION", arguments->session, "folder of a session")->required();
   command
       ->add_option("--out", arguments->out,
                    "file ending in .pcd, .ply or .las, or in .csv for poses")

@@ -7,6 +7,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/cli/help_text.hpp"
 #include "apps/commands/commands.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
@@ -44,7 +45,9 @@ std::vector<const CLI::App*> parsed_subcommands(const CLI::App& app) {
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  }
   return names;
 }
 
@@ -90,12 +93,15 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 }  // namespace
 
-int run_command_line(int argc, const char* const* argv) {
-  Context context;
-  CLI::App app{
-      "Offline LiDAR SLAM for recorded sequences: odometry, loop closing, pose graph, map."};
+void add_commands(CLI::App& app, Context& context) {
+  app.description(
+      "offline LiDAR SLAM for recorded sequences: odometry, loop closing, pose graph, map");
   app.name("groundloop");
-  app.set_version_flag("--version", std::string("groundloop " GROUNDLOOP_VERSION));
+  // Taken over by every subcommand as it is added.
+  app.formatter(help_formatter());
+  app.set_help_flag("-h,--help", "print this and exit");
+  app.set_version_flag("--version", std::string("groundloop " GROUNDLOOP_VERSION),
+                       "print the version and exit");
   app.add_flag("--quiet", context.quiet, "only warnings and errors");
   app.add_flag("--verbose", context.verbose, "more detail");
   app.add_option("--threads", context.threads, "threads to use (0: all cores)")
@@ -104,18 +110,26 @@ int run_command_line(int argc, const char* const* argv) {
   app.fallthrough();
   add_run_command(app, context);
   add_demo_command(app, context);
-  add_evaluate_command(app, context);
-  add_export_command(app, context);
   add_inspect_command(app, context);
-  add_simulate_command(app, context);
-  add_optimize_command(app, context);
-  add_match_command(app, context);
   add_merge_command(app, context);
+  add_match_command(app, context);
+  add_export_command(app, context);
   add_report_command(app, context);
-  add_compare_command(app, context);
   add_doctor_command(app, context);
+  add_compare_command(app, context);
+  add_evaluate_command(app, context);
+  add_optimize_command(app, context);
+  add_simulate_command(app, context);
   add_benchmark_command(app, context);
   add_config_command(app, context);
+  add_completion_command(app);
+  add_man_command(app);
+}
+
+int run_command_line(int argc, const char* const* argv) {
+  Context context;
+  CLI::App app;
+  add_commands(app, context);
   // Subcommands run in their callbacks, after this.
   app.parse_complete_callback([&] {
     set_up_logging(context);

@@ -34,6 +34,9 @@ void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context);
 void add_evaluate_closures_command(CLI::App& evaluate, Context& context);
 void add_evaluate_map_command(CLI::App& evaluate, Context& context);
 
+/// Everything that the command line knows, without parsing a word of it.
+void add_commands(CLI::App& app, Context& context);
+
 /// Runs the command line; returns the exit code: 0, 1 (failed internal check), 2 (bad input or
 /// usage), 130 (interrupted).
 int run_command_line(int argc, const char* const* argv);
@@ -41,5 +44,9 @@ int run_command_line(int argc, const char* const* argv);
 void add_inspect_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_optimize_command(CLI::App& app, Context& context);
+/// What makes shells complete the words of the whole command line.
+void add_completion_command(CLI::App& app);
+/// Manual pages of all commands; not listed, the build calls it.
+void add_man_command(CLI::App& app);
 
 }  // namespace groundloop::apps

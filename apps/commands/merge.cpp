@@ -5,10 +5,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include "apps/commands/closing.hpp"
 #include "apps/commands/detection.hpp"
 #include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/merge_documents.hpp"
+#include "apps/report/report_cost.hpp"
 #include "apps/report/session_report.hpp"
 #include "backend/graph/marginals.hpp"
 #include "backend/map/map_assembly.hpp"
@@ -325,18 +327,30 @@ void merge_recordings(const MergeRequest& request, Context& context) {
     end_progress();
     const MergeEvaluation evaluation = evaluate_merge(result, judged_truths(result, truths));
     write_text_atomically(out.file("run.log"), log_text(result, left_out));
-    write_text_atomically(
-        out.file("metrics.json"),
-        merge_metrics(result, evaluation, map_seconds, seconds_since(start)).dump(2) + "\n");
+    // Written again after the report, with what that took.
+    const auto write_metrics = [&](const std::optional<ReportCost>& report) {
+      nlohmann::ordered_json metrics =
+          merge_metrics(result, evaluation, map_seconds, seconds_since(start));
+      add_report_cost(metrics, report);
+      write_text_atomically(out.file("metrics.json"), metrics.dump(2) + "\n");
+      return metrics;
+    };
+    const nlohmann::ordered_json before = write_metrics(std::nullopt);
     Manifest manifest = merge_manifest(out, result, sessions, left_out);
     manifest.identity = identity;
+    progress("report", 0, 0);
+    const auto report_start = Clock::now();
     const SessionContents contents =
         read_session_contents(out, SessionFolder(request.out).name(), manifest, request.config);
     write_text_atomically(out.file("report.html"),
                           make_session_report(contents, evaluation.ground_truth));
+    const nlohmann::ordered_json metrics =
+        write_metrics(ReportCost{seconds_since(report_start), without_report(before)});
     output.complete(manifest);
+    end_progress();
     warn_of_parts_apart(result);
     log_evaluation(result, evaluation);
+    print_closing_table(metrics, request.out, context);
   } catch (...) {
     end_progress();
     // Matches are what a merge takes its time for.

@@ -8,6 +8,7 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/commands/closing.hpp"
 #include "apps/commands/ground_truth.hpp"
 #include "apps/commands/progress_bar.hpp"
 #include "apps/report/session_documents.hpp"
@@ -51,6 +52,23 @@ class RunLog {
 
  private:
   spdlog::sink_ptr sink_;
+};
+
+// While it lives, what is logged below a warning goes to run.log alone: the terminal gets the same
+// figures as a table.
+class QuietTerminal {
+ public:
+  QuietTerminal()
+      : terminal_(spdlog::default_logger()->sinks().front()), level_(terminal_->level()) {
+    terminal_->set_level(spdlog::level::warn);
+  }
+  ~QuietTerminal() { terminal_->set_level(level_); }
+  QuietTerminal(const QuietTerminal&) = delete;
+  QuietTerminal& operator=(const QuietTerminal&) = delete;
+
+ private:
+  spdlog::sink_ptr terminal_;
+  spdlog::level::level_enum level_;
 };
 
 void write_map(const SessionFolder& folder, const SlamResult& result, double voxel_size,
@@ -115,8 +133,6 @@ void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& e
     line("odometry ", evaluation->odometry);
     line("optimised", evaluation->optimised);
   }
-  spdlog::info("{:.1f} s in all, {:.1f} scans a second, {:.0f} MB peak memory", result.times.total,
-               static_cast<double>(result.odometry.size()) / result.times.total, peak_memory_mb());
 }
 
 void log_recording(const Recording& recording) {
@@ -161,22 +177,39 @@ Manifest manifest_of(const SessionFolder& session, const Recording& recording,
 }
 
 // What comes after the map: errors, documents, and the manifest, which makes the session complete.
-void finish(SessionOutput& output, const Recording& recording, const RunRequest& request,
-            const GroundTruth& ground_truth, SlamResult& result, double seconds) {
+// The report takes the figures from metrics.json, and its own time and memory come into that once
+// it is written. Returns the figures.
+nlohmann::ordered_json finish(SessionOutput& output, const Recording& recording,
+                              const RunRequest& request, const GroundTruth& ground_truth,
+                              SlamResult& result, Clock::time_point start) {
   const SessionFolder& session = output.folder();
-  result.times.total = result.seconds_before + seconds;
   const std::optional<RunEvaluation> evaluation = evaluate(result, ground_truth);
-  write_text_atomically(session.file("metrics.json"),
-                        metrics_document(result, evaluation).dump(2) + "\n");
+  const auto write_metrics = [&](const std::optional<ReportCost>& report) {
+    result.times.total = result.seconds_before + seconds_since(start);
+    nlohmann::ordered_json metrics = metrics_document(result, evaluation, report);
+    write_text_atomically(session.file("metrics.json"), metrics.dump(2) + "\n");
+    return metrics;
+  };
+  const nlohmann::ordered_json before = write_metrics(std::nullopt);
   const Manifest manifest = manifest_of(session, recording, result, output.identity());
+  const auto report_start = Clock::now();
   const SessionContents contents =
       read_session_contents(session, SessionFolder(request.out).name(), manifest, request.config);
   write_text_atomically(
       session.file("report.html"),
       make_session_report(contents, {evaluation ? evaluation->ground_truth : Trajectory()}));
-  log_summary(result, evaluation);
+  const nlohmann::ordered_json metrics =
+      write_metrics(ReportCost{seconds_since(report_start), without_report(before)});
+  {
+    const QuietTerminal quiet;
+    log_summary(result, evaluation);
+    spdlog::info(
+        "{:.1f} s in all, {:.1f} scans a second, {:.0f} MB peak memory", result.times.total,
+        static_cast<double>(result.odometry.size()) / result.times.total, peak_memory_mb());
+    spdlog::info("report: {}", (request.out / "report.html").string());
+  }
   output.complete(manifest);
-  spdlog::info("report: {}", (request.out / "report.html").string());
+  return metrics;
 }
 
 }  // namespace
@@ -216,8 +249,11 @@ void run_recording(const RunRequest& request, Context& context) {
     if (request.config.map.write)
       write_map(session, result, request.config.map.voxel_size, progress);
     result.times.map = seconds_since(map_start);
+    progress("report", 0, 0);
+    const nlohmann::ordered_json metrics =
+        finish(output, *recording, request, ground_truth, result, start);
     end_progress();
-    finish(output, *recording, request, ground_truth, result, seconds_since(start));
+    print_closing_table(metrics, request.out, context);
   } catch (...) {
     end_progress();
     if (!Checkpoint(session, identity).exists()) output.discard();

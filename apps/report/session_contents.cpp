@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/report/report_cost.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 
@@ -89,7 +90,7 @@ SessionContents with_tables(SessionContents contents) {
   const SessionFolder& folder = contents.session.folder;
   std::vector<std::string>& unreadable = contents.unreadable;
   if (fs::exists(folder.file("metrics.json")))
-    contents.metrics = read_json(folder.file("metrics.json"));
+    contents.metrics = page_metrics(read_json(folder.file("metrics.json")));
   read_optional(folder.file("odometry_quality.csv"), contents.quality, unreadable,
                 read_odometry_quality);
   read_optional(folder.file("pieces.csv"), contents.pieces, unreadable, read_pieces);

@@ -59,7 +59,8 @@ Json recording_document(const RecordingInfo& info, std::size_t scans) {
           {"dropped_scans", info.dropped_scans}};
 }
 
-Json metrics_document(const SlamResult& result, const std::optional<RunEvaluation>& evaluation) {
+Json metrics_document(const SlamResult& result, const std::optional<RunEvaluation>& evaluation,
+                      const std::optional<ReportCost>& report) {
   const auto count = [&](auto predicate) {
     return std::count_if(result.closures.begin(), result.closures.end(), predicate);
   };
@@ -142,6 +143,7 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
     document["kitti"] = {{"odometry", kitti_document(evaluation->odometry)},
                          {"optimised", kitti_document(evaluation->optimised)}};
   }
+  add_report_cost(document, report);
   return document;
 }
 

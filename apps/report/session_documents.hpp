@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/report_cost.hpp"
 #include "backend/evaluation/trajectory_evaluation.hpp"
 #include "backend/evaluation/truth_frame.hpp"
 #include "backend/mapping/slam.hpp"
@@ -24,8 +25,10 @@ struct RunEvaluation {
 [[nodiscard]] nlohmann::ordered_json recording_document(const RecordingInfo& info,
                                                         std::size_t scans);
 
+/// `report`: what writing report.html took, once it is written.
 [[nodiscard]] nlohmann::ordered_json metrics_document(
-    const SlamResult& result, const std::optional<RunEvaluation>& evaluation);
+    const SlamResult& result, const std::optional<RunEvaluation>& evaluation,
+    const std::optional<ReportCost>& report);
 
 /// Peak resident memory of this process, MB.
 [[nodiscard]] double peak_memory_mb();
