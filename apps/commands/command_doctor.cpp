@@ -45,6 +45,8 @@ Verdict examine_recording(const std::string& path) {
   std::printf("%s: %s, %zu scans, %s\n", info.path.c_str(), info.format.c_str(), recording->size(),
               info.sensor.empty() ? "sensor not stated" : info.sensor.c_str());
   std::vector<Remark> remarks;
+  for (const std::string& warning : info.warnings)
+    remarks.push_back({Trust::careful, warning, "groundloop inspect, which shows the recording"});
   const auto add = [&](std::size_t n, const char* what, const char* advice) {
     if (n > 0) remarks.push_back({Trust::careful, std::to_string(n) + " " + what + ".", advice});
   };

@@ -4,7 +4,9 @@ namespace groundloop::apps {
 
 void add_reading_options(CLI::App& command, RecordingOptions& options) {
   command.add_option("--format", options.format, "format, where it is not recognised");
-  command.add_option("--topic", options.topic, "topic or sensor, where there are several");
+  command.add_option(
+      "--topic", options.topic,
+      "topic, sensor (of a capture: sender, port or both) or scene, where there are several");
   command.add_option("--fields", options.fields,
                      "values of a record of headerless files, where they are judged wrongly, e.g. "
                      "x,y,z,intensity,ring,t");

@@ -141,6 +141,7 @@ void log_recording(const Recording& recording) {
                info.sensor.empty() ? "sensor not stated" : info.sensor);
   spdlog::info("stamps: {}; per-point times: {}", info.stamp_source, info.point_times);
   for (const std::string& note : info.notes) spdlog::info("{}", note);
+  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 }
 
 // Local maps, the map and kept scans are nearly all of a session: 30 to 80, 20
@@ -187,6 +188,7 @@ nlohmann::ordered_json finish(SessionOutput& output, const Recording& recording,
   const auto write_metrics = [&](const std::optional<ReportCost>& report) {
     result.times.total = result.seconds_before + seconds_since(start);
     nlohmann::ordered_json metrics = metrics_document(result, evaluation, report);
+    metrics["recording"] = {{"warnings", recording.info().warnings}};
     write_text_atomically(session.file("metrics.json"), metrics.dump(2) + "\n");
     return metrics;
   };

@@ -132,7 +132,7 @@ Json facts_json(const SessionContents& contents) {
   const Json& recording = contents.manifest.recording;
   if (recording.is_object()) {
     for (const auto& [key, value] : recording.items()) {
-      if (key == "notes") continue;
+      if (key == "notes" || key == "warnings") continue;
       std::string text = value.is_string() ? value.get<std::string>() : value.dump();
       if (value.is_array()) {
         text.clear();
@@ -143,8 +143,10 @@ Json facts_json(const SessionContents& contents) {
       std::replace(name.begin(), name.end(), '_', ' ');
       facts.push_back({name, text.empty() ? "not stated" : text});
     }
-    if (recording.contains("notes")) {
-      for (const Json& note : recording.at("notes")) facts.push_back({"note", note});
+    for (const char* kind : {"warning", "note"}) {
+      const std::string key = std::string(kind) + "s";
+      if (!recording.contains(key)) continue;
+      for (const Json& sentence : recording.at(key)) facts.push_back({kind, sentence});
     }
   }
   for (const ManifestPart& part : contents.manifest.parts)

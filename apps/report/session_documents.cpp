@@ -53,6 +53,7 @@ Json recording_document(const RecordingInfo& info, std::size_t scans) {
           {"stamp_source", info.stamp_source},
           {"fields", info.fields},
           {"notes", info.notes},
+          {"warnings", info.warnings},
           {"out_of_order", info.out_of_order},
           {"duplicates", info.duplicates},
           {"gaps", info.gaps},

@@ -161,6 +161,10 @@ void judge_input(const SessionContents& contents, std::vector<Remark>& remarks) 
     if (n > 0)
       remarks.push_back({Trust::careful, "The recording has " + counted(n, one, many) + "."});
   };
+  const Json warnings = at(recording, "/warnings");
+  for (const Json& warning : warnings) {
+    if (warning.is_string()) remarks.push_back({Trust::careful, warning.get<std::string>()});
+  }
   add("gaps", "gap in time", "gaps in time");
   add("dropped_scans", "scan that could not be used", "scans that could not be used");
   add("out_of_order", "scan out of order", "scans out of order");

@@ -8,11 +8,11 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
-#include "frontend/recordings/ground_truth.hpp"
 #include "frontend/recordings/livox_message.hpp"
 #include "frontend/recordings/packets/packet_recording.hpp"
 #include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/source_tools.hpp"
+#include "frontend/recordings/truth_conventions.hpp"
 
 namespace groundloop::recordings {
 
@@ -32,6 +32,12 @@ void Topic::count(Nanoseconds time) {
   first = messages == 0 ? time : std::min(first, time);
   last = messages == 0 ? time : std::max(last, time);
   ++messages;
+}
+
+std::string cut_off_warning(const std::filesystem::path& file, std::uint64_t from,
+                            std::uint64_t size) {
+  return file.filename().string() + " is cut off or broken from byte " + std::to_string(from) +
+         " of " + std::to_string(size) + " on; what stands before is used.";
 }
 
 namespace {
@@ -141,6 +147,10 @@ std::string recorded_metadata(std::vector<NamedFile>& files) {
   return {};
 }
 
+void append(std::vector<std::string>& to, const std::vector<std::string>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
 class BagRecording final : public Recording {
  public:
   BagRecording(const std::string& path, const char* format, std::vector<NamedFile> files,
@@ -153,8 +163,8 @@ class BagRecording final : public Recording {
     info_.format = format;
     info_.notes = std::move(notes);
     for (const NamedFile& named : files_) {
-      const auto& more = named.file->notes();
-      info_.notes.insert(info_.notes.end(), more.begin(), more.end());
+      append(info_.notes, named.file->notes());
+      append(info_.warnings, named.file->warnings());
     }
     gather();
     choose_stamps();
@@ -244,8 +254,8 @@ class BagRecording final : public Recording {
   void note_left_out(std::size_t count, const char* what, const std::string& first) {
     if (count == 0) return;
     info_.dropped_scans += count;
-    info_.notes.push_back(std::to_string(count) + " messages are " + what + " and left out" +
-                          (first.empty() ? "." : " (" + first + ")."));
+    info_.warnings.push_back(std::to_string(count) + " messages are " + what + " and left out" +
+                             (first.empty() ? "." : " (" + first + ")."));
   }
 
   void choose_stamps() {
@@ -278,9 +288,9 @@ class BagRecording final : public Recording {
       latest = std::max(latest, items_[i].stamp);
     }
     if (times_set_ > 0) {
-      info_.notes.push_back("The sensor's clock was set back " + std::to_string(times_set_) +
-                            (times_set_ == 1 ? " time" : " times") +
-                            "; stamps go on from there by the times of recording.");
+      info_.warnings.push_back("The sensor's clock was set back " + std::to_string(times_set_) +
+                               (times_set_ == 1 ? " time" : " times") +
+                               "; stamps go on from there by the times of recording.");
     }
   }
 
@@ -325,17 +335,16 @@ class BagRecording final : public Recording {
     times_ = survey.finish({duration_, true, options_.time_unit}, info_);
   }
 
-  // Bags hold none; a file of a usual name in the folder of bags is taken.
+  // Bags hold none; a file of a usual name beside them is taken.
   void find_truth(const std::string& path) {
-    std::error_code error;
-    if (!std::filesystem::is_directory(path, error)) return;
-    const std::filesystem::path file = find_ground_truth({path});
-    if (file.empty()) return;
     std::vector<Nanoseconds> stamps;
     for (const Item& item : items_) stamps.push_back(item.stamp);
-    ground_truth_ = read_ground_truth(file, stamps);
-    info_.notes.push_back("Ground truth is " + file.filename().string() +
-                          ", taken to be of the LiDAR itself.");
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error)) {
+      ground_truth_ = truth_beside(path, stamps, info_);
+    } else if (const auto found = recordings::find_truth(path)) {
+      ground_truth_ = read_truth(*found, stamps, info_);
+    }
   }
 
   RecordingInfo info_;
@@ -361,9 +370,15 @@ std::unique_ptr<Recording> make_bag_recording(const std::string& path, const cha
   if (!topic.is_packets())
     return std::make_unique<BagRecording>(path, format, std::move(files), options, std::move(notes),
                                           topic);
-  for (const NamedFile& named : files)
-    notes.insert(notes.end(), named.file->notes().begin(), named.file->notes().end());
-  PacketSource source{path, format, std::move(files), nullptr, {}, std::move(notes)};
+  PacketSource source;
+  source.path = path;
+  source.format = format;
+  source.notes = std::move(notes);
+  for (const NamedFile& named : files) {
+    append(source.notes, named.file->notes());
+    append(source.warnings, named.file->warnings());
+  }
+  source.files = std::move(files);
   const PacketMessage kind = packet_message_of(topic.type);
   if (kind == PacketMessage::ouster_packet) source.metadata = recorded_metadata(source.files);
   source.stream = open_bag_packets(source.files, topic.name, kind);

@@ -18,7 +18,7 @@ namespace {
 
 bool has_extension(const fs::path& file, const char* extension) {
   std::error_code error;
-  return file.extension() == extension && fs::is_regular_file(file, error);
+  return file.filename().string().ends_with(extension) && fs::is_regular_file(file, error);
 }
 
 // The file, or the files of a folder, with an extension.
@@ -26,8 +26,16 @@ std::vector<fs::path> files_of(const fs::path& path, const char* extension) {
   std::error_code error;
   if (has_extension(path, extension)) return {path};
   if (!fs::is_directory(path, error)) return {};
-  return list_files(path, extension);
+  const std::string end = extension, last = end.substr(end.rfind('.'));
+  std::vector<fs::path> files = list_files(path, last);
+  if (last != end)
+    std::erase_if(files, [&](const fs::path& file) { return !has_extension(file, extension); });
+  return files;
 }
+
+// A recorder that was interrupted leaves its bag under this name.
+constexpr const char* kBag = ".bag";
+constexpr const char* kActiveBag = ".bag.active";
 
 std::vector<fs::path> all_paths(const fs::path& path, const RecordingOptions& options) {
   std::vector<fs::path> paths = {path};
@@ -40,7 +48,11 @@ std::unique_ptr<Recording> open_files(const fs::path& path, const RecordingOptio
                                       FileOpener open_file) {
   std::vector<NamedFile> files;
   for (const fs::path& one : all_paths(path, options)) {
-    const std::vector<fs::path> found = files_of(one, extension);
+    std::vector<fs::path> found = files_of(one, extension);
+    if (extension == kBag) {
+      const std::vector<fs::path> active = files_of(one, kActiveBag);
+      found.insert(found.end(), active.begin(), active.end());
+    }
     if (found.empty()) throw InputError(one.string() + ": holds no *" + extension + " file");
     for (const fs::path& file : found) files.push_back({file.string(), open_file(file)});
   }
@@ -116,6 +128,7 @@ class CompressedMessages final : public MessageFile {
       : name_(std::move(name)), inner_(std::move(inner)) {
     topics_ = inner_->topics();
     notes_ = inner_->notes();
+    warnings_ = inner_->warnings();
   }
   std::vector<MessageEntry> messages(const std::string& topic) override {
     return inner_->messages(topic);
@@ -147,7 +160,9 @@ std::unique_ptr<MessageFile> open_storage(const fs::path& file, bool compressed_
 
 }  // namespace
 
-bool is_rosbag(const fs::path& path) { return !files_of(path, ".bag").empty(); }
+bool is_rosbag(const fs::path& path) {
+  return !files_of(path, kBag).empty() || !files_of(path, kActiveBag).empty();
+}
 
 bool is_rosbag2(const fs::path& path) {
   std::error_code error;
@@ -162,7 +177,7 @@ bool is_rosbag2(const fs::path& path) {
 bool is_mcap(const fs::path& path) { return !files_of(path, ".mcap").empty(); }
 
 std::unique_ptr<Recording> open_rosbag(const fs::path& path, const RecordingOptions& options) {
-  return open_files(path, options, "rosbag", ".bag", open_rosbag_file);
+  return open_files(path, options, "rosbag", kBag, open_rosbag_file);
 }
 
 std::unique_ptr<Recording> open_mcap(const fs::path& path, const RecordingOptions& options) {

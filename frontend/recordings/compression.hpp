@@ -30,8 +30,10 @@ enum class Compression { none, lz4, bz2, zstd };
 [[nodiscard]] bool decompress_zstd(std::span<const std::byte> in, std::vector<std::byte>& out);
 
 /// Decompresses a .zstd file to `to`, which must not be there yet, in bounded memory and to at most
-/// largest_unpacked() bytes. Throws InputError naming the file.
-void decompress_zstd_file(const std::filesystem::path& from, const std::filesystem::path& to);
+/// largest_unpacked() bytes; false where it is cut off, and what stands before was unpacked. Throws
+/// InputError naming the file.
+[[nodiscard]] bool decompress_zstd_file(const std::filesystem::path& from,
+                                        const std::filesystem::path& to);
 
 /// CRC-32 (IEEE 802.3); `crc` continues an earlier call's result.
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t crc = 0);

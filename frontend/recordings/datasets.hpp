@@ -32,4 +32,10 @@ namespace groundloop::recordings {
 [[nodiscard]] std::unique_ptr<Recording> open_nclt(const std::filesystem::path& path,
                                                    const RecordingOptions&);
 
+/// nuScenes: a folder of v1.0-*/*.json beside samples/ and sweeps/; options.topic chooses the
+/// scene.
+[[nodiscard]] bool is_nuscenes(const std::filesystem::path& path);
+[[nodiscard]] std::unique_ptr<Recording> open_nuscenes(const std::filesystem::path& path,
+                                                       const RecordingOptions&);
+
 }  // namespace groundloop::recordings

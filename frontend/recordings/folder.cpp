@@ -6,9 +6,9 @@
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
 #include "frontend/recordings/bin_layout.hpp"
-#include "frontend/recordings/ground_truth.hpp"
 #include "frontend/recordings/point_files.hpp"
 #include "frontend/recordings/scan_files.hpp"
+#include "frontend/recordings/truth_conventions.hpp"
 
 namespace groundloop::recordings {
 namespace fs = std::filesystem;
@@ -18,16 +18,55 @@ namespace {
 constexpr const char* kBinFields = "float32 x y z intensity ...";
 constexpr std::array<const char*, 3> kExtensions = {".bin", ".pcd", ".ply"};
 
+bool holds_scans(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_directory(folder, error) &&
+         std::any_of(kExtensions.begin(), kExtensions.end(),
+                     [&](const char* extension) { return !list_files(folder, extension).empty(); });
+}
+
+// Where data sets keep a sequence's scans below its folder: Boreas, Newer College, Oxford Spires.
+fs::path scans_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error) || holds_scans(path)) return path;
+  if (fs::is_directory(path / "applanix", error) && holds_scans(path / "lidar"))
+    return path / "lidar";
+  for (const fs::path& below : {fs::path("raw_format") / "ouster_scan",
+                                fs::path("raw") / "lidar-clouds", fs::path("lidar-clouds")}) {
+    if (holds_scans(path / below)) return path / below;
+  }
+  return path;
+}
+
+bool is_scan_file(const fs::path& file, const char* extension) {
+  std::error_code error;
+  return file.extension() == extension && fs::is_regular_file(file, error);
+}
+
 class FolderRecording final : public ScanFiles {
  public:
-  FolderRecording(const fs::path& folder, const RecordingOptions& options)
-      : ScanFiles(folder, "folder", options), time_unit_(options.time_unit) {
-    choose_files(folder);
-    find_stamps(folder);
+  /// `path`: the folder, or one scan.
+  FolderRecording(const fs::path& path, const RecordingOptions& options)
+      : ScanFiles(path, "folder", options), time_unit_(options.time_unit) {
+    std::error_code error;
+    const fs::path folder = scans_of(path);
+    if (fs::is_directory(folder, error)) {
+      choose_files(folder);
+      find_stamps(folder);
+    } else {
+      choose_file(path);
+    }
+    if (extension_ == ".bin") {
+      choose_bin_layout(options.fields);
+    } else {
+      check_last([&](std::size_t i) {
+        read_file_into(files_[i], buffer_);
+        (void)parse(i);
+      });
+    }
     info_.gaps = count_gaps(stamps_);
-    if (extension_ == ".bin") choose_bin_layout(options.fields);
     learn_layout();
-    find_truth(folder);
+    if (fs::is_directory(folder, error)) find_truth(folder);
   }
 
  private:
@@ -50,6 +89,30 @@ class FolderRecording final : public ScanFiles {
     }
   }
 
+  void choose_file(const fs::path& file) {
+    files_ = {file};
+    for (const char* extension : kExtensions) {
+      if (is_scan_file(file, extension)) extension_ = extension;
+    }
+    info_.notes.emplace_back("This is one scan; a recording is the folder of its scans.");
+    if (!take_named_stamps()) assume_stamps("The file's name is no stamp");
+  }
+
+  bool take_named_stamps() {
+    auto named = stamps_from_names(files_);
+    if (!named) return false;
+    stamps_ = std::move(named->stamps);
+    info_.stamp_source = "file names (" + named->unit + ")";
+    return true;
+  }
+
+  void assume_stamps(const std::string& why) {
+    stamps_known_ = false;
+    stamps_ = assumed_stamps(files_.size());
+    info_.stamp_source = "assumed 10 Hz";
+    info_.notes.push_back(why + "; 10 scans a second are assumed.");
+  }
+
   void find_stamps(const fs::path& folder) {
     std::error_code error;
     const fs::path absolute = fs::absolute(folder).lexically_normal();
@@ -61,16 +124,7 @@ class FolderRecording final : public ScanFiles {
         return;
       }
     }
-    if (auto named = stamps_from_names(files_)) {
-      stamps_ = std::move(named->stamps);
-      info_.stamp_source = "file names (" + named->unit + ")";
-      return;
-    }
-    stamps_known_ = false;
-    stamps_ = assumed_stamps(files_.size());
-    info_.stamp_source = "assumed 10 Hz";
-    info_.notes.emplace_back(
-        "Neither times.txt nor file names give stamps; 10 scans a second are assumed.");
+    if (!take_named_stamps()) assume_stamps("Neither times.txt nor file names give stamps");
   }
 
   std::size_t decode(std::size_t index, Scan& scan) override {
@@ -108,14 +162,8 @@ class FolderRecording final : public ScanFiles {
   }
 
   void find_truth(const fs::path& folder) {
-    const fs::path absolute = fs::absolute(folder).lexically_normal();
-    const fs::path parent =
-        (absolute.has_filename() ? absolute : absolute.parent_path()).parent_path();
-    const fs::path file = find_ground_truth({absolute, parent});
-    if (file.empty()) return;
-    ground_truth_ = read_ground_truth(file, stamps_);
-    info_.notes.push_back("Ground truth is " + file.filename().string() +
-                          ", taken to be of the LiDAR itself.");
+    const auto found = recordings::find_truth(folder);
+    if (found) ground_truth_ = read_truth(*found, all_stamps(), info_);
   }
 
   std::string extension_;
@@ -127,11 +175,11 @@ class FolderRecording final : public ScanFiles {
 
 }  // namespace
 
-bool is_scan_folder(const fs::path& folder) {
+bool is_scan_folder(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return false;
+  if (fs::is_directory(path, error)) return holds_scans(scans_of(path));
   return std::any_of(kExtensions.begin(), kExtensions.end(),
-                     [&](const char* extension) { return !list_files(folder, extension).empty(); });
+                     [&](const char* extension) { return is_scan_file(path, extension); });
 }
 
 std::unique_ptr<Recording> open_folder(const fs::path& folder, const RecordingOptions& options) {

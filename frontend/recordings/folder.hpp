@@ -9,12 +9,12 @@
 
 namespace groundloop::recordings {
 
-/// True where the folder itself holds scan files.
-[[nodiscard]] bool is_scan_folder(const std::filesystem::path& folder);
+/// True where the folder itself holds scan files, and for one such file.
+[[nodiscard]] bool is_scan_folder(const std::filesystem::path& path);
 
-/// A .bin file has no header: float32 x y z intensity, unless every file's length says otherwise
-/// (20 or 24 bytes a record).
-[[nodiscard]] std::unique_ptr<Recording> open_folder(const std::filesystem::path& folder,
+/// A folder, or one scan. A .bin file has no header: float32 x y z intensity, unless every file's
+/// length says otherwise (20 or 24 bytes a record).
+[[nodiscard]] std::unique_ptr<Recording> open_folder(const std::filesystem::path& path,
                                                      const RecordingOptions& options = {});
 
 }  // namespace groundloop::recordings

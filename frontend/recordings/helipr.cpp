@@ -76,9 +76,11 @@ class HeliprRecording final : public ScanFiles {
       : ScanFiles(found.root, "helipr", found.root / "LiDAR" / found.sensor, ".bin", options),
         sensor_(found.sensor) {
     take_stamps_from_names(1, "ns");
-    for (std::size_t i = 0; i < files_.size(); ++i) {
+    const auto check = [&](std::size_t i) {
       check_length(i, layout_of(sensor_, stamps_[i]).packed_size, record_name().c_str());
-    }
+    };
+    for (std::size_t i = 0; i + 1 < files_.size(); ++i) check(i);
+    check_last(check);
     const PointLayout layout = layout_of(sensor_, stamps_.front());
     info_.sensor = sensor_;
     info_.fields = layout.described();
@@ -95,7 +97,7 @@ class HeliprRecording final : public ScanFiles {
     const fs::path truth = found.root / "LiDAR_GT" / (sensor_ + "_gt.txt");
     std::error_code error;
     if (fs::exists(truth, error)) {
-      ground_truth_ = read_ground_truth(truth, stamps_);
+      ground_truth_ = read_ground_truth(truth, all_stamps());
       info_.notes.push_back("Ground truth is LiDAR_GT/" + sensor_ +
                             "_gt.txt, of the LiDAR itself.");
     }

@@ -27,7 +27,6 @@ class KittiRecording final : public ScanFiles {
   KittiRecording(const fs::path& sequence, const RecordingOptions& options)
       : ScanFiles(sequence, "kitti", sequence / "velodyne", ".bin", options) {
     std::error_code error;
-    check_lengths(kRecord, kFields);
     info_.fields = {"x", "y", "z", "intensity"};
     info_.attributes.intensity = true;
     std::vector<std::size_t> rows;
@@ -45,6 +44,7 @@ class KittiRecording final : public ScanFiles {
       info_.stamp_source = "assumed 10 Hz";
       info_.notes.emplace_back("There is no times.txt; 10 scans a second are assumed.");
     }
+    check_lengths(kRecord, kFields);
     info_.gaps = count_gaps(stamps_);
     duration_ = scan_duration(stamps_);
     if (fs::is_directory(sequence / "times_per_point", error)) {

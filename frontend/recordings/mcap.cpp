@@ -47,8 +47,9 @@ class McapFile final : public MessageFile {
     }
     if (!read_summary()) scan_data();
     if (broken_chunks_ > 0) {
-      notes_.push_back(std::to_string(broken_chunks_) + " chunks of " + file.filename().string() +
-                       " are broken (checksum, compression or length) and left out.");
+      warnings_.push_back(std::to_string(broken_chunks_) + " chunks of " +
+                          file.filename().string() +
+                          " are broken (checksum, compression or length) and left out.");
     }
     set_topics();
   }
@@ -177,8 +178,8 @@ class McapFile final : public MessageFile {
     const std::vector<std::byte> summary = store_.read_file(start, footer_at - start);
     // The checksum covers the summary and the footer up to itself.
     if (checksum != 0 && crc32(std::span(tail).first(kFooter - 4), crc32(summary)) != checksum) {
-      notes_.push_back("The summary of " + file_.filename().string() +
-                       " has a wrong checksum; the file is read without it.");
+      warnings_.push_back("The summary of " + file_.filename().string() +
+                          " has a wrong checksum; the file is read without it.");
       return false;
     }
     return use_summary(summary);
@@ -282,8 +283,7 @@ class McapFile final : public MessageFile {
       }
       position = content + length;
     }
-    notes_.push_back(file_.filename().string() + " is cut off or broken from byte " +
-                     std::to_string(position) + " on; what stands before is used.");
+    warnings_.push_back(cut_off_warning(file_, position, store_.file_size()));
   }
 
   // One topic may have several channels.

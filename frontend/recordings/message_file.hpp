@@ -41,8 +41,11 @@ class MessageFile {
   virtual ~MessageFile() = default;
   /// Topics in the file's order.
   [[nodiscard]] const std::vector<Topic>& topics() const { return topics_; }
-  /// What is wrong with the file but did not stop its reading.
+  /// How the file was read, where that is not the usual way.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /// What is wrong with the file but did not stop its reading.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  void add_warning(std::string warning) { warnings_.push_back(std::move(warning)); }
   /// Messages of a topic that is read (Topic::is_read) in the file's order.
   [[nodiscard]] virtual std::vector<MessageEntry> messages(const std::string& topic) = 0;
   /// At least the first `limit` bytes of a message (all where it has fewer) into `out`. Throws
@@ -51,8 +54,12 @@ class MessageFile {
 
  protected:
   std::vector<Topic> topics_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, warnings_;
 };
+
+/// "a.bag is cut off or broken from byte 100 of 200 on; what stands before is used."
+[[nodiscard]] std::string cut_off_warning(const std::filesystem::path& file, std::uint64_t from,
+                                          std::uint64_t size);
 
 [[nodiscard]] std::unique_ptr<MessageFile> open_rosbag_file(const std::filesystem::path& file);
 [[nodiscard]] std::unique_ptr<MessageFile> open_mcap_file(const std::filesystem::path& file);

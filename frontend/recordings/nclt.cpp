@@ -241,7 +241,7 @@ class HitsRecording final : public Recording {
       offset += bytes;
     }
     if (offset < size) {
-      info_.notes.emplace_back("The file is cut off within its last packet, which is left out.");
+      info_.warnings.emplace_back("The file is cut off within its last packet, which is left out.");
     }
     finish_index(steps);
   }

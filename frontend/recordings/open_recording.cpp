@@ -10,6 +10,7 @@
 #include "frontend/recordings/elevation_correction.hpp"
 #include "frontend/recordings/folder.hpp"
 #include "frontend/recordings/kitti.hpp"
+#include "frontend/recordings/no_recording.hpp"
 #include "frontend/recordings/packets/packet_recording.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/recordings/wrappers.hpp"
@@ -46,14 +47,25 @@ const std::array kFormats = {
            recordings::open_mulran},
     Format{"nclt", "NCLT (velodyne_sync/*.bin or velodyne_hits.bin)", recordings::is_nclt,
            recordings::open_nclt},
+    Format{"nuscenes", "nuScenes (v1.0-*/sample_data.json)", recordings::is_nuscenes,
+           recordings::open_nuscenes},
     Format{"rosbag", "ROS 1 bags (*.bag)", recordings::is_rosbag, recordings::open_rosbag, true},
     Format{"rosbag2", "a ROS 2 bag (metadata.yaml, *.db3)", recordings::is_rosbag2,
            recordings::open_rosbag2, true},
     Format{"mcap", "MCAP files (*.mcap)", recordings::is_mcap, recordings::open_mcap, true},
     Format{"pcap", "a capture of packets (*.pcap)", recordings::is_pcap, recordings::open_pcap},
-    Format{"folder", "a folder of *.bin, *.pcd or *.ply scans", recordings::is_scan_folder,
+    Format{"folder", "scans in *.bin, *.pcd or *.ply files", recordings::is_scan_folder,
            recordings::open_folder},
 };
+
+// recognises() where several sequences are no error.
+bool is_here(const Format& format, const fs::path& path) {
+  try {
+    return format.recognises(path);
+  } catch (const InputError&) {
+    return true;
+  }
+}
 
 std::string names_of_formats() {
   std::string names;
@@ -76,7 +88,26 @@ const Format& choose_format(const fs::path& path, const std::string& name) {
   if (!name.empty()) {
     throw InputError("--format " + name + " is unknown; known are " + names_of_formats());
   }
-  throw InputError(path.string() + ": no recording is recognised here; looked for " + looked_for);
+  throw InputError(recordings::not_recognised(path, looked_for, [](const fs::path& folder) {
+    return std::any_of(kFormats.begin(), kFormats.end(),
+                       [&](const Format& format) { return is_here(format, folder); });
+  }));
+}
+
+// What a folder holds beside what is read of it.
+std::string others_beside(const fs::path& path, const Format& chosen) {
+  std::error_code error;
+  std::string others;
+  if (!fs::is_directory(path, error)) return others;
+  for (const Format& format : kFormats) {
+    // A ROS 2 bag is of files that are recordings themselves.
+    const bool part =
+        std::string_view(chosen.name) == "rosbag2" && std::string_view(format.name) == "mcap";
+    if (&format == &chosen || part || !is_here(format, path)) continue;
+    others += (others.empty() ? "" : "; ") + std::string(format.looked_for) + ", by --format " +
+              format.name;
+  }
+  return others;
 }
 
 // What the scans show, or nothing where they cannot be read: then the run says so.
@@ -147,18 +178,16 @@ std::unique_ptr<Recording> open_path(const std::string& path, const RecordingOpt
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such file or folder; check the path");
   }
-  if (fs::path(path).extension() == ".osf" && options.format.empty()) {
-    throw InputError(path +
-                     ": Ouster's .osf files are not read; convert it with Ouster's SDK: "
-                     "`ouster-cli source " +
-                     fs::path(path).filename().string() + " save OUT.pcap` or `save OUT.bag`");
-  }
+  if (options.format.empty()) recordings::refuse_what_is_no_recording(path);
   const Format& format = choose_format(path, options.format);
   if (!options.more_paths.empty() && !format.takes_several) {
     throw InputError(options.more_paths.front() + ": a recording of format " + format.name +
                      " is one path; only bags may be several");
   }
-  return format.open(path, options);
+  std::unique_ptr<Recording> recording = format.open(path, options);
+  const std::string others = others_beside(path, format);
+  if (others.empty() || !options.format.empty()) return recording;
+  return recordings::with_note(std::move(recording), "The folder also holds " + others + ".");
 }
 
 }  // namespace

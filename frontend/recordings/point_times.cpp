@@ -30,6 +30,8 @@ constexpr double kNearStamp = 2.0;
 constexpr double kEpochBegins = 1e6;
 // A scan that lasts this many times as long as expected stays one.
 constexpr double kSlack = 1.25;
+// Beyond so many times what is expected a unit that was chosen by the duration alone is none.
+constexpr double kTooLong = 6.0, kTooShort = 1.0 / 30.0;
 
 std::string text(const char* format, double a) {
   std::array<char, 64> buffer{};
@@ -203,12 +205,14 @@ std::optional<TimeModel> judge_times(const std::vector<TimeSample>& samples,
     model.zero = TimeModel::Zero::first_point;
   }
   const double scan = span * model.seconds_per_unit;
+  model.plausible = running != nullptr || at_stamps != nullptr || !hints.unit.empty() ||
+                    (scan < kTooLong * duration && scan > kTooShort * duration);
   model.longest_scan_s = kSlack * std::max(scan, duration);
   model.evidence = "scans last " + text("%.4g s so", scan);
   if (running != nullptr) model.evidence += ", and the field runs with the stamps";
   if (model.zero == TimeModel::Zero::epoch)
     model.evidence += text(", the first point %+.4g s from the stamp", offset);
-  if (scan < duration / 30.0 || scan > duration * 30.0) {
+  if (scan < duration * kTooShort || scan > duration * kTooLong) {
     model.evidence += text(", where %.4g s are expected: --time-unit overrules", duration);
   }
   return model;
@@ -227,6 +231,14 @@ void TimeSurvey::add(const PointLayout& layout, std::span<const std::byte> data,
 
 std::optional<TimeModel> TimeSurvey::finish(const TimeHints& hints, RecordingInfo& info) const {
   std::optional<TimeModel> model = judge_times(samples_, hints);
+  if (model && !model->plausible) {
+    info.point_times = "none (" + model->described() + ")";
+    info.warnings.push_back(
+        "The times of the points are not used: in no unit do scans last as long "
+        "as they should; the likeliest was: " +
+        model->described() + ".");
+    return std::nullopt;
+  }
   info.point_times = model        ? model->described()
                      : has_field_ ? "none (the time field is constant)"
                                   : "none";
@@ -237,7 +249,7 @@ std::optional<TimeModel> TimeSurvey::finish(const TimeHints& hints, RecordingInf
     points += sample.points;
   }
   if (wild > 0) {
-    info.notes.push_back(
+    info.warnings.push_back(
         std::to_string(wild) + " of " + std::to_string(points) +
         " points sampled have a time that cannot be of their scan; such points are dropped.");
   }

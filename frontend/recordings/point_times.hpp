@@ -35,6 +35,7 @@ struct TimeModel {
   /// A scan's points lie within so many seconds of each other.
   double longest_scan_s = 60.0;
   std::string evidence;
+  bool plausible = true;  ///< false where scans would last as no scan does
   /// E.g. "field 't' (uint32), ns from the stamp; scans last 0.0999 s".
   [[nodiscard]] std::string described() const;
 };

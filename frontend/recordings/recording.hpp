@@ -22,6 +22,9 @@ struct RecordingInfo {
   std::vector<std::string> fields;  ///< fields of a point record
   AttributeSet attributes;          ///< that its points have
   std::vector<std::string> notes;   ///< corrections applied, assumptions made, one sentence each
+  /// What is wrong with the recording, and what was done about it, one sentence each: a file cut
+  /// off, packets lost, a clock set back. What the counts below say is not said again.
+  std::vector<std::string> warnings;
   /// Where only a range of the scans is used: the number of the first, and how many there are.
   std::size_t first_scan = 0, scans_in_all = 0;
   /// Scans that were seen but set aside or put right, counted by the source.

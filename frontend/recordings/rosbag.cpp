@@ -126,7 +126,9 @@ class RecordHeader {
 
 class ScannedBag final : public MessageFile {
  public:
-  ScannedBag(const fs::path& file, const std::string& why) : file_(file), store_(file) {
+  /// `closed`: false where the recorder left no index, as one does that was interrupted.
+  ScannedBag(const fs::path& file, const std::string& why, bool closed)
+      : file_(file), store_(file) {
     constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
     const std::vector<std::byte> head = store_.read_file(0, kMagic.size());
     if (std::string_view(reinterpret_cast<const char*>(head.data()), head.size()) != kMagic) {
@@ -137,9 +139,13 @@ class ScannedBag final : public MessageFile {
     notes_.push_back("The index of " + file.filename().string() + " is of no use (" + why +
                      "); its records were scanned.");
     scan_file(kMagic.size());
+    if (!closed && warnings_.empty()) {
+      warnings_.push_back(file.filename().string() +
+                          " was not closed by its recorder: the end may be missing.");
+    }
     if (broken_chunks_ > 0) {
-      notes_.push_back(std::to_string(broken_chunks_) + " chunks of " + file.filename().string() +
-                       " are broken and left out.");
+      warnings_.push_back(std::to_string(broken_chunks_) + " chunks of " +
+                          file.filename().string() + " are broken and left out.");
     }
   }
 
@@ -183,8 +189,7 @@ class ScannedBag final : public MessageFile {
   }
 
   void cut_off(std::uint64_t position) {
-    notes_.push_back(file_.filename().string() + " is cut off or broken from byte " +
-                     std::to_string(position) + " on; what stands before is used.");
+    warnings_.push_back(cut_off_warning(file_, position, store_.file_size()));
   }
 
   std::uint32_t number_at(std::uint64_t position) const {
@@ -260,14 +265,18 @@ class ScannedBag final : public MessageFile {
 
 std::unique_ptr<MessageFile> open_rosbag_file(const fs::path& file) {
   std::string why;
+  bool closed = true;
   try {
     auto bag = std::make_unique<LibraryBag>(file);
     bag->check_first_message();
     return bag;
+  } catch (const rosbag::BagUnindexedException& e) {
+    why = e.what();
+    closed = false;
   } catch (const std::exception& e) {
     why = e.what();
   }
-  return std::make_unique<ScannedBag>(file, why);
+  return std::make_unique<ScannedBag>(file, why, closed);
 }
 
 }  // namespace groundloop::recordings

@@ -86,8 +86,26 @@ void ScanFiles::check_length(std::size_t index, std::size_t record, const char* 
   if (records_of(file, bytes, record, fields) == 0) require_points({}, 0, file.string());
 }
 
-void ScanFiles::check_lengths(std::size_t record, const char* fields) const {
-  for (std::size_t i = 0; i < files_.size(); ++i) check_length(i, record, fields);
+void ScanFiles::check_lengths(std::size_t record, const char* fields) {
+  for (std::size_t i = 0; i + 1 < files_.size(); ++i) check_length(i, record, fields);
+  check_last([&](std::size_t i) { check_length(i, record, fields); });
+}
+
+void ScanFiles::leave_out_last(const std::string& why) {
+  info_.warnings.push_back("The last scan is left out, as if recording was interrupted: " + why +
+                           ".");
+  ++info_.dropped_scans;
+  if (stamps_.size() == files_.size()) {
+    left_out_ = stamps_.back();
+    stamps_.pop_back();
+  }
+  files_.pop_back();
+}
+
+std::vector<Nanoseconds> ScanFiles::all_stamps() const {
+  std::vector<Nanoseconds> all = stamps_;
+  if (left_out_) all.push_back(*left_out_);
+  return all;
 }
 
 std::size_t ScanFiles::record_count(std::size_t index, std::size_t record,

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "frontend/core/error.hpp"
 #include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "frontend/recordings/source_tools.hpp"
@@ -41,8 +43,22 @@ class ScanFiles : public Recording {
   /// name is none.
   void take_stamps_from_names(Nanoseconds nanoseconds, const char* unit);
   /// Throws InputError for the first file that is empty or whose length is no multiple of `record`,
-  /// so that a run of hours does not end at a file that could have been seen at its start.
-  void check_lengths(std::size_t record, const char* fields) const;
+  /// so that a run of hours does not end at a file that could have been seen at its start. The last
+  /// one is left out instead, with a warning, where enough is there without it.
+  void check_lengths(std::size_t record, const char* fields);
+  /// Calls `check` for the last file, and leaves that out, with its stamp, where it throws an
+  /// InputError and there are more: a recording that was interrupted.
+  template <typename F>
+  void check_last(F&& check) {
+    try {
+      check(files_.size() - 1);
+    } catch (const InputError& e) {
+      if (files_.size() <= kEnough) throw;
+      leave_out_last(e.what());
+    }
+  }
+  /// Those of all files, of one that was left out at the end as well: what lists go by.
+  [[nodiscard]] std::vector<Nanoseconds> all_stamps() const;
   /// The same of files_[index].
   void check_length(std::size_t index, std::size_t record, const char* fields) const;
   /// Records in buffer_; throws InputError naming the file and `fields` where its length does not
@@ -56,6 +72,11 @@ class ScanFiles : public Recording {
   Trajectory ground_truth_;
   std::vector<std::byte> buffer_;
   AttributeSet attributes_;  ///< asked for
+
+ private:
+  static constexpr std::size_t kEnough = 3;
+  void leave_out_last(const std::string& why);
+  std::optional<Nanoseconds> left_out_;
 };
 
 }  // namespace groundloop::recordings

@@ -43,8 +43,10 @@ class PrivateFolder {
 std::unique_ptr<MessageFile> open_unpacked(const fs::path& compressed, FileOpener open) {
   const PrivateFolder folder;
   const fs::path copy = folder.path() / compressed.stem();
-  decompress_zstd_file(compressed, copy);
-  return open(copy);
+  const bool whole = decompress_zstd_file(compressed, copy);
+  auto file = open(copy);
+  if (!whole) file->add_warning(compressed.filename().string() + " is cut off.");
+  return file;
 }
 
 }  // namespace groundloop::recordings

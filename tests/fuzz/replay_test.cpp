@@ -22,9 +22,9 @@ std::uint64_t changes_of(const std::string& target) {
   for (const char* slow : {"session_commands", "optimize"}) {
     if (target == slow) return 60;
   }
-  for (const char* larger :
-       {"checkpoint", "session", "folder", "front_end", "helipr", "kitti", "kitti_raw", "mulran",
-        "nclt", "pcap", "rosbag", "rosbag2", "mcap", "trajectory"}) {
+  for (const char* larger : {"checkpoint", "session", "folder", "front_end", "helipr", "kitti",
+                             "kitti_raw", "mulran", "nclt", "nuscenes", "pcap", "rosbag", "rosbag2",
+                             "mcap", "trajectory", "truth_conventions"}) {
     if (target == larger) return 400;
   }
   return 3000;

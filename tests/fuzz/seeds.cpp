@@ -456,6 +456,35 @@ Seeds point_layout_seeds() {
   return {bytes.str()};
 }
 
+Seeds nuscenes_seeds() {
+  const std::string scan = Bytes().floats(1, 2, 3, 40, 7, -1, 0, 5, 20, 31).str();
+  return {join_bundle(
+      {{"v1.0-mini/scene.json", R"([{"token": "s", "name": "scene-0061"}])"},
+       {"v1.0-mini/sample.json", R"([{"token": "a", "scene_token": "s"}])"},
+       {"v1.0-mini/sample_data.json",
+        R"([{"sample_token": "a", "ego_pose_token": "e", "calibrated_sensor_token": "c",
+             "timestamp": 1532402927647951, "filename": "samples/LIDAR_TOP/1.pcd.bin"}])"},
+       {"v1.0-mini/ego_pose.json",
+        R"([{"token": "e", "rotation": [1, 0, 0, 0], "translation": [400.0, 1000.0, 0]}])"},
+       {"v1.0-mini/calibrated_sensor.json",
+        R"([{"token": "c", "rotation": [1, 0, 0, 0], "translation": [0.9, 0, 1.8]}])"},
+       {"samples/LIDAR_TOP/1.pcd.bin", scan}})};
+}
+
+Seeds truth_convention_seeds() {
+  const std::string scan = Bytes().floats(1, 2, 3, 4, 5, 6, 7, 8).str();
+  return {join_bundle({{"lidar/1605635976234567.bin", scan},
+                       {"applanix/lidar_poses.csv",
+                        "GPSTime,easting,northing,altitude,vel_east,vel_north,vel_up,roll,pitch,"
+                        "heading,angvel_z,angvel_y,angvel_x\n"
+                        "1605635976234567,100.5,200.25,3,0,0,0,0.1,0.2,0.5,0,0,0\n"}}),
+          join_bundle({{"raw_format/ouster_scan/1583836591.182590976.bin", scan},
+                       {"ground_truth/registered_poses.csv",
+                        "#sec,nsec,x,y,z,qx,qy,qz,qw\n1583836591,182590976,0,0,0,0,0,0,1\n"}}),
+          join_bundle({{"lidar-clouds/1710338123.5.bin", scan},
+                       {"gt-tum.txt", "1710338123.5 0 0 0 0 0 0 1\n"}})};
+}
+
 const std::map<std::string, std::function<Seeds()>>& makers() {
   static const std::map<std::string, std::function<Seeds()>> all{
       {"checkpoint", checkpoint_seeds},
@@ -476,6 +505,7 @@ const std::map<std::string, std::function<Seeds()>>& makers() {
       {"mcap", mcap_seeds},
       {"mulran", [] { return Seeds{in_layout("mulran")}; }},
       {"nclt", nclt_seeds},
+      {"nuscenes", nuscenes_seeds},
       {"optimize", [] { return with_session_files({"pose_graph.g2o"}); }},
       {"packets", packet_seeds},
       {"pcap", pcap_seeds},
@@ -514,7 +544,8 @@ const std::map<std::string, std::function<Seeds()>>& makers() {
        [] {
          return with_session_files({"closures.csv", "local_maps.csv"});
        }},
-      {"trajectory", trajectory_seeds}};
+      {"trajectory", trajectory_seeds},
+      {"truth_conventions", truth_convention_seeds}};
   return all;
 }
 

@@ -205,7 +205,7 @@ inline void make_db3(const std::filesystem::path& file, const std::vector<std::s
       "timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
       "INSERT INTO topics VALUES(1,'/imu','sensor_msgs/msg/Imu','cdr','');"
       "INSERT INTO topics VALUES(2,'/points','sensor_msgs/msg/PointCloud2','cdr','');"
-      "INSERT INTO messages VALUES(1,1,5,x'00');";
+      "INSERT INTO messages VALUES(1,1,5,x'00');BEGIN;";
   check(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK, "tables are made");
   sqlite3_stmt* insert = nullptr;
   sqlite3_prepare_v2(db, "INSERT INTO messages(topic_id,timestamp,data) VALUES(2,?,?)", -1, &insert,
@@ -218,6 +218,7 @@ inline void make_db3(const std::filesystem::path& file, const std::vector<std::s
     sqlite3_reset(insert);
   }
   sqlite3_finalize(insert);
+  check(sqlite3_exec(db, "COMMIT", nullptr, nullptr, nullptr) == SQLITE_OK, "all are kept");
   sqlite3_close(db);
 }
 

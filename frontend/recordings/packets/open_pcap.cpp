@@ -17,12 +17,11 @@ std::vector<fs::path> captures_of(const fs::path& path) {
 }
 
 // The metadata beside a capture: the JSON file with the longest name that the capture's name begins
-// with, else the only one that an Ouster sensor wrote.
-fs::path metadata_beside(const fs::path& capture) {
+// with, else the only one that an Ouster sensor wrote. All that one wrote come out in `of_sensors`.
+fs::path metadata_beside(const fs::path& capture, std::vector<fs::path>& of_sensors) {
   constexpr std::uintmax_t kLargest = 1U << 20U;
   const fs::path folder = capture.has_parent_path() ? capture.parent_path() : fs::path(".");
   const std::string name = capture.stem().string();
-  std::vector<fs::path> of_sensors;
   fs::path best;
   for (const fs::path& file : list_files(folder, ".json")) {
     std::error_code error;
@@ -53,7 +52,7 @@ std::unique_ptr<Recording> open_pcap(const fs::path& path, const RecordingOption
   source.format = "pcap";
   source.stream = open_pcap_packets(captures.front());
   if (options.calibration.empty()) {
-    const fs::path metadata = metadata_beside(captures.front());
+    const fs::path metadata = metadata_beside(captures.front(), source.metadata_candidates);
     if (!metadata.empty()) {
       source.metadata = read_text(metadata);
       source.notes.push_back("Metadata are " + metadata.filename().string() + ".");

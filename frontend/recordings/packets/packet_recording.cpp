@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
@@ -50,6 +51,10 @@ class CutFinder {
   void add(const PacketDecoder& decoder, const Packet& packet) {
     for (std::size_t block = 0; block < decoder.blocks(); ++block)
       seen_[static_cast<std::size_t>(decoder.phase(packet.bytes, block) * kBins) % kBins] = true;
+  }
+  /// Whether as much of the turn was seen as sensors see that are set to a part of it.
+  [[nodiscard]] bool saw_a_scan() const {
+    return static_cast<std::size_t>(std::count(seen_.begin(), seen_.end(), true)) > 2 * kBins / 5;
   }
   [[nodiscard]] double phase() const {
     std::size_t widest = 0, end = 0, run = 0;
@@ -148,7 +153,7 @@ class TurnFinder {
 };
 
 // What to do about packets that no decoder knows.
-std::string remedy(PacketBytes packet, bool has_metadata) {
+std::string remedy(PacketBytes packet, const PacketSource& source) {
   const auto begins_with = [&](std::initializer_list<unsigned> bytes) {
     return packet.size() > bytes.size() &&
            std::equal(bytes.begin(), bytes.end(), packet.begin(),
@@ -157,7 +162,13 @@ std::string remedy(PacketBytes packet, bool has_metadata) {
   if (begins_with({0x55, 0xaa, 0x05}))
     return "they are Robosense's, which are not decoded; convert them to PointCloud2 with "
            "rslidar_sdk";
-  if (has_metadata) return "none is of the form that the Ouster metadata tell";
+  if (!source.metadata.empty()) return "none is of the form that the Ouster metadata tell";
+  for (const fs::path& file : source.metadata_candidates) {
+    if (make_ouster_decoder({packet, file.string(), {}, {}}) == nullptr) continue;
+    return "they are of the form that " + file.filename().string() +
+           " tells, an Ouster's metadata: if those are of this sensor, add --calibration " +
+           file.string();
+  }
   return "known are Velodyne's, Hesai's and Ouster's; the latter need the sensor's metadata: "
          "--calibration FILE.json";
 }
@@ -169,6 +180,7 @@ class PacketRecording final : public Recording {
     info_.path = source_.path;
     info_.format = source_.format;
     info_.notes = std::move(source_.notes);
+    info_.warnings = std::move(source_.warnings);
     find_decoder();
     find_turns();
     describe();
@@ -210,26 +222,86 @@ class PacketRecording final : public Recording {
   }
 
  private:
+  // A sensor whose packets are in the stream.
+  struct Candidate {
+    std::uint64_t flow = 0;
+    std::string name;  ///< of the flow
+    std::unique_ptr<PacketDecoder> decoder;
+    std::size_t packets = 0;
+  };
+
   void find_decoder() {
     constexpr std::size_t kTried = 5000, kMostSizes = 64;
     std::map<std::size_t, std::size_t> sizes;
+    std::set<std::pair<std::uint64_t, std::size_t>> seen;
+    std::vector<Candidate> candidates;
     Packet packet;
-    std::size_t tried = 0;
-    std::vector<std::byte> commonest;
-    while (tried++ < kTried && source_.stream->next(packet)) {
-      if (sizes.size() >= kMostSizes) break;
-      if (sizes[packet.bytes.size()]++ > 0) continue;
-      if (packet.bytes.size() > commonest.size())
-        commonest.assign(packet.bytes.begin(), packet.bytes.end());
-      const DecoderSource from{packet.bytes, options_.calibration, source_.metadata,
-                               source_.stream->name()};
-      for (const auto make : {make_ouster_decoder, make_velodyne_decoder, make_hesai_decoder}) {
-        decoder_ = make(from);
-        if (!decoder_) continue;
-        flow_ = packet.flow;
-        return;
+    std::vector<std::byte> largest;
+    for (std::size_t tried = 0; tried < kTried && source_.stream->next(packet); ++tried) {
+      if (seen.size() >= kMostSizes) break;
+      ++sizes[packet.bytes.size()];
+      const auto known =
+          std::find_if(candidates.begin(), candidates.end(),
+                       [&](const Candidate& candidate) { return candidate.flow == packet.flow; });
+      if (known != candidates.end()) {
+        known->packets += known->decoder->accepts(packet.bytes) ? 1 : 0;
+        continue;
       }
+      if (!seen.emplace(packet.flow, packet.bytes.size()).second) continue;
+      if (packet.bytes.size() > largest.size())
+        largest.assign(packet.bytes.begin(), packet.bytes.end());
+      Candidate found{packet.flow, source_.stream->flow_name(packet.flow), decoder_of(packet), 1};
+      if (!found.decoder) continue;
+      candidates.push_back(std::move(found));
+      if (candidates.front().name.empty()) break;
     }
+    if (candidates.empty()) refuse(sizes, largest);
+    choose(candidates);
+  }
+
+  std::unique_ptr<PacketDecoder> decoder_of(const Packet& packet) const {
+    const DecoderSource from{packet.bytes, options_.calibration, source_.metadata,
+                             source_.stream->name()};
+    for (const auto make : {make_ouster_decoder, make_velodyne_decoder, make_hesai_decoder}) {
+      if (auto decoder = make(from)) return decoder;
+    }
+    return nullptr;
+  }
+
+  // Of several sensors recorded together the user chooses one: by sender, port, or both.
+  void choose(std::vector<Candidate>& candidates) {
+    const std::string& wanted = options_.topic;
+    const bool named = !candidates.front().name.empty();
+    Candidate* chosen = nullptr;
+    std::size_t matching = 0;
+    std::string list;
+    for (Candidate& candidate : candidates) {
+      list +=
+          (list.empty() ? "" : ", ") + candidate.name + " (" + candidate.decoder->sensor() + ")";
+      const std::size_t colon = candidate.name.find(':');
+      const bool meant = wanted.empty() || !named || wanted == candidate.name ||
+                         wanted == candidate.name.substr(0, colon) ||
+                         (colon != std::string::npos && wanted == candidate.name.substr(colon + 1));
+      if (!meant) continue;
+      ++matching;
+      if (chosen == nullptr) chosen = &candidate;
+    }
+    if (matching != 1) {
+      throw InputError(
+          source_.stream->name() +
+          (matching == 0 ? ": has no sensor " + wanted + "; choose one with --topic: "
+                         : ": holds packets of several sensors; choose one with --topic (sender, "
+                           "port or both): ") +
+          list);
+    }
+    if (named && candidates.size() > 1)
+      info_.notes.push_back("Packets are those of " + chosen->name + " (of " + list + ").");
+    decoder_ = std::move(chosen->decoder);
+    flow_ = chosen->flow;
+  }
+
+  [[noreturn]] void refuse(const std::map<std::size_t, std::size_t>& sizes,
+                           PacketBytes largest) const {
     if (sizes.empty()) {
       throw InputError(source_.stream->name() +
                        ": holds no packet; is it a capture of a LiDAR's UDP traffic?");
@@ -237,9 +309,8 @@ class PacketRecording final : public Recording {
     std::string seen;
     for (const auto& [size, count] : sizes)
       seen += (seen.empty() ? "" : ", ") + std::to_string(count) + " of " + std::to_string(size);
-    throw InputError(
-        source_.stream->name() + ": its packets (" + seen +
-        " bytes) are of no known sensor: " + remedy(commonest, !source_.metadata.empty()));
+    throw InputError(source_.stream->name() + ": its packets (" + seen +
+                     " bytes) are of no known sensor: " + remedy(largest, source_));
   }
 
   bool is_ours(const Packet& packet) const {
@@ -254,12 +325,14 @@ class PacketRecording final : public Recording {
     for (std::size_t i = 0; i < kSurveyed && source_.stream->next(packet); ++i) {
       if (is_ours(packet)) cut.add(*decoder_, packet);
     }
+    whole_ = cut.saw_a_scan();
     TurnFinder finder(*decoder_, cut.phase());
     source_.stream->seek({});
     const std::size_t broken_before = source_.stream->broken();
     while (source_.stream->next(packet)) {
       if (is_ours(packet)) {
         finder.add(packet);
+        ++ours_;
       } else {
         ++others_;
       }
@@ -331,10 +404,18 @@ class PacketRecording final : public Recording {
     const auto note = [&](std::size_t count, const std::string& what) {
       if (count > 0) info_.notes.push_back(std::to_string(count) + " " + what);
     };
-    note(lost_, "packets are missing, as gaps in the sensor's clock tell.");
     note(others_, "packets of other kinds or sensors (position, IMU) are passed over.");
-    note(broken_, "messages or packets are cut off or broken and left out.");
-    note(times_set_, "times the sensor's clock was set; the packets' arrival bridges it.");
+    const auto warn = [&](std::size_t count, const std::string& what) {
+      if (count > 0) info_.warnings.push_back(std::to_string(count) + " " + what);
+    };
+    warn(lost_, "packets are missing beside " + std::to_string(ours_) +
+                    " that are there, as gaps in the sensor's clock tell.");
+    warn(broken_, "messages or packets are cut off or broken and left out.");
+    warn(times_set_, "times the sensor's clock was set; the packets' arrival bridges it.");
+    if (size() == 1 && !whole_) {
+      info_.warnings.emplace_back(
+          "The only turn is not whole: the recording is shorter than one scan.");
+    }
   }
 
   void take_points(Scan& scan) {
@@ -369,7 +450,8 @@ class PacketRecording final : public Recording {
   std::uint64_t flow_ = 0;
   Nanoseconds origin_ = 0;
   bool synchronised_ = false;
-  std::size_t lost_ = 0, others_ = 0, broken_ = 0, times_set_ = 0;
+  std::size_t lost_ = 0, ours_ = 0, others_ = 0, broken_ = 0, times_set_ = 0;
+  bool whole_ = true;  // of the turn, where there is one only
   PacketPoints points_;
 };
 

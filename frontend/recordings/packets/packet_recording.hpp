@@ -1,6 +1,7 @@
 // A recording of a sensor's raw packets: cut into turns of the head, decoded when a scan is read.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,9 @@ struct PacketSource {
   std::vector<NamedFile> files;  ///< that the stream reads from; may be empty
   std::unique_ptr<PacketStream> stream;
   std::string metadata;  ///< Ouster: JSON text beside the packets, if any
-  std::vector<std::string> notes;
+  /// Files of metadata beside the packets that may be meant, where none is by its name.
+  std::vector<std::filesystem::path> metadata_candidates;
+  std::vector<std::string> notes, warnings;
 };
 
 /// Goes once through all packets. Throws InputError where none is of a sensor whose packets are

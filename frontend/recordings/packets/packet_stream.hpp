@@ -37,6 +37,9 @@ class PacketStream {
   virtual void seek(const PacketPlace& place) = 0;
   /// For messages: file, and topic where there are several.
   [[nodiscard]] virtual std::string name() const = 0;
+  /// Whose packets a flow is: "192.168.1.201:2368" (sender and port sent to); empty where the
+  /// stream is of one sensor.
+  [[nodiscard]] virtual std::string flow_name(std::uint64_t) const { return {}; }
   /// Parts that could not be read since the stream was opened.
   [[nodiscard]] std::size_t broken() const { return broken_; }
 

@@ -72,6 +72,12 @@ class PcapPackets final : public PacketStream {
     fragments_.clear();
   }
   std::string name() const override { return file_.string(); }
+  std::string flow_name(std::uint64_t flow) const override {
+    std::string text;
+    for (const unsigned shift : {40U, 32U, 24U, 16U})
+      text += (text.empty() ? "" : ".") + std::to_string(flow >> shift & 0xffU);
+    return text + ":" + std::to_string(flow & 0xffffU);
+  }
 
  private:
   bool read_at(std::uint64_t offset, std::span<std::byte> out) const {

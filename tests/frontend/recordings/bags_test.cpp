@@ -122,6 +122,11 @@ class Bags : public ::testing::Test {
     for (const std::string& note : recording.info().notes) text += note + "\n";
     return text;
   }
+  static std::string warnings(const Recording& recording) {
+    std::string text;
+    for (const std::string& warning : recording.info().warnings) text += warning + "\n";
+    return text;
+  }
   testing::TemporaryFolder folder_;
 };
 
@@ -151,7 +156,7 @@ TEST_F(Bags, CutOffRosbagIsReadAsFarAsItGoes) {
   write_file(folder_ / "a.bag", bag.substr(0, 4096 + 13 + 700));
   const auto recording = open("a.bag");
   EXPECT_EQ(recording->size(), 1U);
-  EXPECT_THAT(notes(*recording), HasSubstr("is cut off or broken from byte"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("is cut off or broken from byte"));
   expect_two_points(recording->read(0));
 }
 
@@ -163,7 +168,7 @@ TEST_F(Bags, BrokenChunkOfUnindexedRosbagIsLeftOut) {
   write_file(folder_ / "a.bag", bag);
   const auto recording = open("a.bag");
   EXPECT_EQ(recording->size(), 1U);
-  EXPECT_THAT(notes(*recording), HasSubstr("1 chunks of a.bag are broken"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("1 chunks of a.bag are broken"));
 }
 
 TEST_F(Bags, SplitRosbagsAreReadInTimeOrder) {
@@ -200,7 +205,7 @@ TEST_F(Bags, DisorderDuplicatesGapsAndUselessMessagesAreCounted) {
   EXPECT_EQ(info.duplicates, 1U);
   EXPECT_EQ(info.gaps, 1U);
   EXPECT_EQ(info.dropped_scans, 3U);
-  EXPECT_THAT(notes(*recording), HasSubstr("1 messages are too short"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("1 messages are too short"));
 }
 
 // A sensor's clock that is set back would mix the stretches before and after.
@@ -217,7 +222,7 @@ TEST_F(Bags, AClockThatIsSetBackIsBridged) {
     EXPECT_EQ(recording->stamp(i), static_cast<Nanoseconds>(50 + i) * 1'000'000'000);
     expect_two_points(recording->read(i));
   }
-  EXPECT_THAT(notes(*recording), HasSubstr("clock was set back 1 time;"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("clock was set back 1 time;"));
 }
 
 TEST_F(Bags, TimesOfRecordingStandInForConstantHeaders) {
@@ -287,7 +292,7 @@ TEST_F(Bags, McapWithWrongChecksumLosesOnlyThatChunk) {
   write_file(folder_ / "a.mcap", make_mcap(spec));
   const auto recording = open("a.mcap");
   EXPECT_EQ(recording->size(), 1U);
-  EXPECT_THAT(notes(*recording), HasSubstr("1 chunks of a.mcap are broken (checksum"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("1 chunks of a.mcap are broken (checksum"));
 }
 
 TEST_F(Bags, McapWithWrongSummaryIsReadWithoutIt) {
@@ -296,7 +301,7 @@ TEST_F(Bags, McapWithWrongSummaryIsReadWithoutIt) {
   write_file(folder_ / "a.mcap", make_mcap(spec));
   const auto recording = open("a.mcap");
   EXPECT_EQ(recording->size(), 2U);
-  EXPECT_THAT(notes(*recording), HasSubstr("summary of a.mcap has a wrong checksum"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("summary of a.mcap has a wrong checksum"));
 }
 
 TEST_F(Bags, CutOffMcapIsReadAsFarAsItGoes) {
@@ -307,7 +312,7 @@ TEST_F(Bags, CutOffMcapIsReadAsFarAsItGoes) {
   write_file(folder_ / "a.mcap", file.substr(0, second + 30));  // within the second chunk
   const auto recording = open("a.mcap");
   EXPECT_EQ(recording->size(), 1U);
-  EXPECT_THAT(notes(*recording), HasSubstr("a.mcap is cut off or broken from byte"));
+  EXPECT_THAT(warnings(*recording), HasSubstr("a.mcap is cut off or broken from byte"));
 }
 
 TEST_F(Bags, SeveralTopicsAreListedAndChosen) {

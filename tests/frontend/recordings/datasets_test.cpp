@@ -256,7 +256,7 @@ TEST_F(Nclt, CutsVelodyneHitsIntoTurns) {
   EXPECT_NEAR(scan.times[0], 0.0, 1e-7);
   EXPECT_NEAR(scan.times[2], 0.01, 1e-7);
   EXPECT_NEAR(scan.times[3], 0.015, 1e-7);  // half way to the next packet
-  EXPECT_THAT(recording->info().notes.back(), HasSubstr("cut off"));
+  EXPECT_THAT(recording->info().warnings.back(), HasSubstr("cut off"));
 }
 
 TEST_F(Nclt, NamesWhatIsNoPacket) {

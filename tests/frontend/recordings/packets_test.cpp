@@ -365,6 +365,44 @@ TEST_F(Packets, AreTheSameFromACapture) {
   EXPECT_THAT(pcap->info().notes, Contains(HasSubstr("225 packets of other kinds")));
 }
 
+// Two sensors that were recorded together.
+TEST_F(Packets, OneOfSeveralSensorsOfACaptureIsChosen) {
+  std::string capture = testing::pcap_header();
+  for (const StampedPacket& packet : three_turns()) {
+    const std::uint32_t us = packet.nanoseconds / 1000;
+    const std::string frame = testing::ethernet_frame(testing::udp(packet.bytes), 1, 0, false);
+    std::string other = frame;
+    other[29] = '\x07';  // the sender's address: 192.168.1.7
+    capture += testing::pcap_record(packet.seconds, us, frame);
+    capture += testing::pcap_record(packet.seconds, us, other);
+  }
+  write_file(folder_ / "two.pcap", capture);
+  const auto with_topic = [&](const std::string& topic) {
+    RecordingOptions options;
+    options.topic = topic;
+    return open_recording((folder_ / "two.pcap").string(), options);
+  };
+  const auto error_of = [&](const std::string& topic) -> std::string {
+    try {
+      (void)with_topic(topic);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(error_of(""), HasSubstr("several sensors; choose one with --topic (sender, port or "
+                                      "both): 192.168.1.2:2368 (Velodyne VLP-16"));
+  EXPECT_THAT(error_of("2368"), HasSubstr("several sensors"));
+  EXPECT_THAT(error_of("10.0.0.1"), HasSubstr("has no sensor 10.0.0.1; choose one"));
+  for (const char* topic : {"192.168.1.7", "192.168.1.7:2368"}) {
+    const auto recording = with_topic(topic);
+    ASSERT_EQ(recording->size(), 2U);
+    EXPECT_EQ(recording->read(0).points.size(), 900U);
+    EXPECT_THAT(recording->info().notes,
+                Contains(HasSubstr("Packets are those of 192.168.1.7:2368")));
+  }
+}
+
 TEST_F(Packets, MissingAndLateOnesAreCountedAndSurvived) {
   std::vector<StampedPacket> packets = three_turns();
   packets.erase(packets.begin() + 60, packets.begin() + 63);
@@ -374,7 +412,7 @@ TEST_F(Packets, MissingAndLateOnesAreCountedAndSurvived) {
   ASSERT_EQ(recording->size(), 2U);
   EXPECT_EQ(recording->read(0).points.size(), 900U - 36U);
   EXPECT_EQ(recording->read(1).points.size(), 900U);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("packets are missing")));
+  EXPECT_THAT(recording->info().warnings, Contains(HasSubstr("packets are missing")));
 }
 
 // A sensor that measures half of its turn, from 270 to 90 degrees: one scan a turn, not two that
@@ -402,7 +440,7 @@ TEST_F(Packets, OfAPartOfTheTurnMakeOneScanATurn) {
     EXPECT_EQ(scan.points.size(), 37U * 12 + 6);
     EXPECT_LT(scan.times.back(), 0.051F);
   }
-  EXPECT_THAT(recording->info().notes, ::testing::Not(Contains(HasSubstr("missing"))));
+  EXPECT_THAT(recording->info().warnings, ::testing::Not(Contains(HasSubstr("missing"))));
 }
 
 TEST_F(Packets, AClockThatIsSetBackMixesNothing) {
@@ -415,7 +453,7 @@ TEST_F(Packets, AClockThatIsSetBackMixesNothing) {
   const auto recording = open("a.bag");
   ASSERT_EQ(recording->size(), 2U);
   EXPECT_NEAR(1e-9 * static_cast<double>(recording->stamp(1) - recording->stamp(0)), 0.1, 1e-3);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("clock was set")));
+  EXPECT_THAT(recording->info().warnings, Contains(HasSubstr("clock was set")));
   const Scan scan = recording->read(0);
   EXPECT_EQ(scan.points.size(), 900U);
   EXPECT_LT(scan.times.back(), 0.101F);
@@ -486,7 +524,7 @@ TEST_F(Packets, ThatAreCutOffOrUnknownAreAnswered) {
   write_file(folder_ / "a.pcap", capture);
   const auto recording = open("a.pcap");
   EXPECT_EQ(recording->size(), 1U);
-  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("1 messages or packets are cut off")));
+  EXPECT_THAT(recording->info().warnings, Contains(HasSubstr("1 messages or packets are cut off")));
   write_file(folder_ / "scan.osf", "osf");
   EXPECT_THAT(error_of("scan.osf"), HasSubstr("ouster-cli source scan.osf save OUT.pcap"));
 }

@@ -117,7 +117,7 @@ TEST_F(PointTimes, AWildTimeCostsItsPointAndNoMore) {
     EXPECT_FLOAT_EQ(scan.times[77], 0.039F);
     EXPECT_EQ(scan.attributes.ring[77], 78 % 16);
     EXPECT_FLOAT_EQ(scan.times.back(), 0.0995F);
-    EXPECT_THAT(recording->info().notes, ::testing::Contains(HasSubstr("3 of 600 points")));
+    EXPECT_THAT(recording->info().warnings, ::testing::Contains(HasSubstr("3 of 600 points")));
   }
 }
 

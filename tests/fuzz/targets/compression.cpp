@@ -16,7 +16,7 @@ GROUNDLOOP_FUZZ_TARGET(compression) {
     const auto packed = scratch_file("packed", text_of(chooser.rest()));
     const auto unpacked = scratch_folder() / "unpacked";
     std::filesystem::remove(unpacked);
-    recordings::decompress_zstd_file(packed, unpacked);
+    (void)recordings::decompress_zstd_file(packed, unpacked);
     FUZZ_PROMISE(std::filesystem::file_size(unpacked) <=
                  recordings::largest_unpacked(input.size()));
   } else if (recordings::decompress(static_cast<recordings::Compression>(kind), chooser.rest(),
