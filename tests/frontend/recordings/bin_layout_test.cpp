@@ -88,7 +88,7 @@ TEST_F(BinLayouts, AFolderOfThemIsReadRightly) {
   const auto p = point(11, 5, 1);
   EXPECT_EQ(scan.points[11 * 32 + 5], Eigen::Vector3f(p[0], p[1], p[2]));
   EXPECT_EQ(scan.attributes.ring[11 * 32 + 5], 5);
-  EXPECT_THAT(recordings::recognise_sensor({scan}),
+  EXPECT_THAT(recordings::recognise_sensor({scan}).described(),
               ::testing::AllOf(HasSubstr("32 rings from -30.7 to +10.7 degrees, the whole turn"),
                                HasSubstr("Velodyne HDL-32E")));
 }
