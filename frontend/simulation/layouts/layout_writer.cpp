@@ -45,6 +45,7 @@ std::unique_ptr<layouts::Writer> make_writer(const std::string& layout, const fs
   if (layout == "rosbag") return layouts::make_rosbag_writer(folder, source);
   if (layout == "rosbag2") return layouts::make_rosbag2_writer(folder, source);
   if (layout == "mcap") return layouts::make_mcap_writer(folder, source);
+  if (layout == "livox") return layouts::make_livox_writer(folder, source);
   if (layout == "folder") return layouts::make_folder_writer(folder, source);
   std::string names;
   for (const std::string& name : layout_names()) names += (names.empty() ? "" : ", ") + name;
@@ -89,8 +90,8 @@ class PartialFolder {
 }  // namespace
 
 const std::vector<std::string>& layout_names() {
-  static const std::vector<std::string> names = {"kitti",  "mulran",  "helipr", "nclt",
-                                                 "rosbag", "rosbag2", "mcap",   "folder"};
+  static const std::vector<std::string> names = {"kitti",   "mulran", "helipr", "nclt", "rosbag",
+                                                 "rosbag2", "mcap",   "folder", "livox"};
   return names;
 }
 

@@ -13,7 +13,7 @@
 
 namespace groundloop {
 
-/// kitti, mulran, helipr, nclt, rosbag, rosbag2, mcap, folder.
+/// kitti, mulran, helipr, nclt, rosbag, rosbag2, mcap, folder, livox (a bag of CustomMsg).
 [[nodiscard]] const std::vector<std::string>& layout_names();
 
 /// Writes all scans and the ground truth (as the layout keeps it, else as ground_truth.tum) to
@@ -53,6 +53,8 @@ class Writer {
                                                        const Source& source);
 [[nodiscard]] std::unique_ptr<Writer> make_rosbag_writer(const std::filesystem::path& folder,
                                                          const Source& source);
+[[nodiscard]] std::unique_ptr<Writer> make_livox_writer(const std::filesystem::path& folder,
+                                                        const Source& source);
 [[nodiscard]] std::unique_ptr<Writer> make_rosbag2_writer(const std::filesystem::path& folder,
                                                           const Source& source);
 [[nodiscard]] std::unique_ptr<Writer> make_mcap_writer(const std::filesystem::path& folder,

@@ -67,7 +67,8 @@ INSTANTIATE_TEST_SUITE_P(All, LayoutOdometry,
                          ::testing::Values(Case{"kitti", 3e-3}, Case{"mulran", 3e-3},
                                            Case{"helipr", 3e-3}, Case{"nclt", 2e-2},
                                            Case{"rosbag", 3e-3}, Case{"rosbag2", 5e-3},
-                                           Case{"mcap", 1e-6}, Case{"folder", 1e-6}));
+                                           Case{"mcap", 1e-6}, Case{"folder", 1e-6},
+                                           Case{"livox", 3e-3}));
 
 }  // namespace
 }  // namespace groundloop
