@@ -44,10 +44,14 @@ void run(Arguments arguments) {
                           make_page(trajectory_page(arguments.estimate, estimate.poses,
                                                     judged.poses, evaluation, arguments.options)));
   }
+  VisitDistances visits = visit_distances(estimate.poses, judged.poses, evaluation.pairs);
+  if (!truth.stamped) visits.by_time = {};
   nlohmann::ordered_json json = to_json(evaluation, arguments.options);
+  json["visits"] = to_json(visits);
   json["ground_truth"] = to_json(judged.frame);
-  const std::string text =
-      arguments.json ? json.dump(2) + "\n" : to_table(evaluation, arguments.options);
+  const std::string text = arguments.json
+                               ? json.dump(2) + "\n"
+                               : to_table(evaluation, arguments.options) + to_table(visits);
   std::fputs(text.c_str(), stdout);
 }
 

@@ -42,6 +42,11 @@ Json kitti_document(const TrajectoryEvaluation& e) {
   return to_json(e, TrajectoryEvaluationOptions{}).at("kitti");
 }
 
+Json visits_document(const Trajectory& estimate, const RunEvaluation& evaluation,
+                     const TrajectoryEvaluation& of_estimate) {
+  return to_json(visit_distances(estimate, evaluation.ground_truth, of_estimate.pairs));
+}
+
 }  // namespace
 
 Json recording_document(const RecordingInfo& info, std::size_t scans) {
@@ -139,6 +144,10 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
                        {"optimised", ape_document(evaluation->optimised)}};
     document["rpe"] = {{"odometry", rpe_document(evaluation->odometry)},
                        {"optimised", rpe_document(evaluation->optimised)}};
+    document["visits"] = {
+        {"odometry", visits_document(result.odometry, *evaluation, evaluation->odometry)},
+        {"optimised",
+         visits_document(result.solution.trajectory, *evaluation, evaluation->optimised)}};
     document["ground_truth"] = to_json(evaluation->frame);
     document["ground_truth"]["instant_s"] = evaluation->instant_s;
     document["kitti"] = {{"odometry", kitti_document(evaluation->odometry)},

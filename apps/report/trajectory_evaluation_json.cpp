@@ -14,6 +14,25 @@ std::string row(const char* name, const Statistics& s) {
   return line;
 }
 
+nlohmann::ordered_json to_json(const VisitDistance& distance) {
+  nlohmann::ordered_json json{{"pairs", distance.pairs}, {"median_m", nullptr}, {"p95_m", nullptr}};
+  if (distance.pairs == 0) return json;
+  json["median_m"] = distance.median_m;
+  json["p95_m"] = distance.most_m;
+  return json;
+}
+
+std::string visit_row(const std::string& apart, const VisitDistance& distance) {
+  char line[160];
+  if (distance.pairs == 0) {
+    std::snprintf(line, sizeof line, "  %s: no pair\n", apart.c_str());
+  } else {
+    std::snprintf(line, sizeof line, "  %s: %.4f m median, %.4f m for 95 %% of %zu pairs\n",
+                  apart.c_str(), distance.median_m, distance.most_m, distance.pairs);
+  }
+  return line;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Statistics& s) {
@@ -75,6 +94,22 @@ nlohmann::ordered_json to_json(const TruthFrame& frame) {
     json["disagreement_deg"] = frame.disagreement_deg;
   }
   return json;
+}
+
+nlohmann::ordered_json to_json(const VisitDistances& visits) {
+  return {{"definition",
+           "norm of the translation of T_estimate^-1 T_truth, T the pose of one scan in another "
+           "within 5 m; by_way: more than 100 m of way apart; by_time: more than 30 s and 20 m of "
+           "way; scans at every metre of the way"},
+          {"by_way", to_json(visits.by_way)},
+          {"by_time", to_json(visits.by_time)}};
+}
+
+std::string to_table(const VisitDistances& visits) {
+  return "two visits of a place (scans within 5 m of each other, relative pose against the "
+         "truth)\n" +
+         visit_row("more than 100 m of way apart", visits.by_way) +
+         visit_row("more than 30 s and 20 m apart", visits.by_time);
 }
 
 std::string to_table(const TrajectoryEvaluation& evaluation,

@@ -8,6 +8,7 @@
 
 #include "backend/evaluation/trajectory_evaluation.hpp"
 #include "backend/evaluation/truth_frame.hpp"
+#include "backend/evaluation/visit_distance.hpp"
 
 namespace groundloop::apps {
 
@@ -20,7 +21,10 @@ namespace groundloop::apps {
                                              const TrajectoryEvaluationOptions& options);
 /// {frame, rotation_deg, lever_m: [x, y, z], found, fits, disagreement_percent, disagreement_deg}
 [[nodiscard]] nlohmann::ordered_json to_json(const TruthFrame& frame);
+/// {definition, by_way: {pairs, median_m, p95_m}, by_time: {...}}; figures without pairs are null.
+[[nodiscard]] nlohmann::ordered_json to_json(const VisitDistances& visits);
 [[nodiscard]] std::string to_table(const TrajectoryEvaluation& evaluation,
                                    const TrajectoryEvaluationOptions& options);
+[[nodiscard]] std::string to_table(const VisitDistances& visits);
 
 }  // namespace groundloop::apps

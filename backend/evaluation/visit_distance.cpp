@@ -22,8 +22,7 @@ std::vector<Stop> stops_of(const Trajectory& estimate, const Trajectory& truth,
   double way = 0.0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const StampedPose &e = estimate[pairs[k].first], &t = truth[pairs[k].second];
-    if (k > 0)
-      way += (t.pose.translation - truth[pairs[k - 1].second].pose.translation).norm();
+    if (k > 0) way += (t.pose.translation - truth[pairs[k - 1].second].pose.translation).norm();
     if (!stops.empty() && way < stops.back().way + spacing) continue;
     const Nanoseconds first = truth[pairs.front().second].stamp;
     stops.push_back({e.pose, t.pose, way, static_cast<double>(t.stamp - first) * 1e-9});

@@ -53,6 +53,28 @@ TEST(EvaluateTrajectoryCommand, PrintsOneJsonObject) {
   EXPECT_TRUE(json["kitti"].contains("rotation_deg_per_m"));
 }
 
+TEST(EvaluateTrajectoryCommand, PrintsTheDistanceOfTwoVisits) {
+  // Out and back along 80 m; the estimate has the way back 0.25 m higher.
+  const testing::TemporaryFolder folder;
+  std::string truth, estimate;
+  for (int i = 0; i <= 160; ++i) {
+    const std::string place = std::to_string(i) + " " + std::to_string(i <= 80 ? i : 160 - i);
+    truth += place + " 0 0 0 0 0 1\n";
+    estimate += place + (i <= 80 ? " 0 0" : " 0 0.25") + " 0 0 0 1\n";
+  }
+  const std::string files = "--estimate " + write(folder, "estimate.tum", estimate) +
+                            " --ground-truth " + write(folder, "truth.tum", truth);
+  const Outcome outcome = evaluate(folder, "--json " + files);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto visits = nlohmann::json::parse(outcome.out)["visits"];
+  // Of the scans more than 50 m from the turn, which have 100 m between them and their like.
+  EXPECT_GT(visits["by_way"]["pairs"], 200);
+  EXPECT_NEAR(visits["by_way"]["median_m"], 0.25, 1e-6);
+  EXPECT_NEAR(visits["by_way"]["p95_m"], 0.25, 1e-6);
+  EXPECT_GT(visits["by_time"]["pairs"], visits["by_way"]["pairs"]);
+  EXPECT_NE(evaluate(folder, files).out.find("0.2500 m median"), std::string::npos);
+}
+
 TEST(EvaluateTrajectoryCommand, FailsWithOneLineAndCode2) {
   const testing::TemporaryFolder folder;
   const std::string tum = write(folder, "a.tum", kTum);
