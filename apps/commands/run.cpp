@@ -133,6 +133,8 @@ void log_summary(const SlamResult& result, const std::optional<RunEvaluation>& e
     line("odometry ", evaluation->odometry);
     line("optimised", evaluation->optimised);
   }
+  const std::string warning = warning_of(result.trust);
+  if (!warning.empty()) spdlog::warn("not to be trusted as a whole: {}", warning);
 }
 
 void log_recording(const Recording& recording) {

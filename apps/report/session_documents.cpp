@@ -30,6 +30,22 @@ Json quality_document(const MapQuality& quality) {
           {"given_up", quality.given_up}};
 }
 
+Json trust_document(const OdometryTrust& trust) {
+  Json scans = Json::object();
+  for (const OdometryState state :
+       {OdometryState::good, OdometryState::weak, OdometryState::lost, OdometryState::predicted})
+    scans[to_string(state)] = trust.count(state);
+  Json lost = Json::array();
+  for (const LostStretch& stretch : trust.lost) {
+    lost.push_back({{"first_scan", stretch.first_scan},
+                    {"last_scan", stretch.last_scan},
+                    {"from_s", stretch.from_s},
+                    {"to_s", stretch.to_s},
+                    {"reason", to_string(stretch.reason)}});
+  }
+  return {{"state", to_string(trust.state)}, {"scans", scans}, {"lost", lost}};
+}
+
 Json ape_document(const TrajectoryEvaluation& e) {
   return to_json(e, TrajectoryEvaluationOptions{}).at("ape");
 }
@@ -101,6 +117,8 @@ Json metrics_document(const SlamResult& result, const std::optional<RunEvaluatio
   Json document{
       {"scans", result.odometry.size()},
       {"predicted_scans", result.predicted_scans},
+      {"odometry", trust_document(result.trust)},
+      {"unusable_scans", result.unusable_scans},
       {"local_maps", result.maps.size()},
       {"path_length_m", path_length(result.solution.trajectory)},
       {"closures", closures},

@@ -78,7 +78,12 @@ void judge_odometry(const SessionContents& contents, std::vector<Remark>& remark
         static_cast<std::size_t>(number_at(contents.metrics, "/predicted_scans")), kCarefulShare,
         kUntrustedShare, kBlocked);
   } else {
-    add("Odometry lost its way", count("lost"), 0.0, 0.0, kPresets);
+    const Json first = at(contents.metrics, "/odometry/lost/0");
+    const std::string from =
+        first.is_object() ? ", first at scan " + number(number_at(first, "/first_scan"), 0) + ", " +
+                                number(number_at(first, "/from_s"), 1) + " s after the start,"
+                          : std::string();
+    add("Odometry lost its way" + from, count("lost"), 0.0, 0.0, kPresets);
     add("Odometry is weak, held by too little of what it saw,", count("weak"), 0.05, 0.5, kPresets);
     add("Poses are predicted and not measured, the view being blocked,", count("predicted"),
         kCarefulShare, kUntrustedShare, kBlocked);

@@ -42,12 +42,15 @@ Matrix6d odometry_information(const Pose& T_previous_current,
 }
 
 RelativePose compose_odometry(std::span<const Pose> T_world_scan, std::size_t from, std::size_t to,
-                              const OdometryInformationOptions& options) {
+                              const OdometryInformationOptions& options,
+                              std::span<const Vector6d> loose) {
   check(from <= to && to < T_world_scan.size(), "compose_odometry: scans in order and range");
   RelativePose chain;
   for (std::size_t i = from; i < to; ++i) {
     const Pose step = T_world_scan[i].inverse() * T_world_scan[i + 1];
-    chain = chain * RelativePose{step, odometry_covariance(step, options)};
+    Matrix6d covariance = odometry_covariance(step, options);
+    if (!loose.empty()) covariance.diagonal() += loose[i + 1];
+    chain = chain * RelativePose{step, covariance};
   }
   // The product of the steps, without their rounding.
   chain.T_from_to = T_world_scan[from].inverse() * T_world_scan[to];

@@ -58,9 +58,11 @@ struct OdometryInformationOptions {
 
 /// Relative pose of scan `to` in scan `from` (from <= to) along the odometry `T_world_scan`, with
 /// the covariance of all the steps between. For key-pose edges: information is its inverse.
+/// `loose`: variances that the step to each scan has beside those; none where it is empty.
 [[nodiscard]] RelativePose compose_odometry(std::span<const Pose> T_world_scan, std::size_t from,
                                             std::size_t to,
-                                            const OdometryInformationOptions& options);
+                                            const OdometryInformationOptions& options,
+                                            std::span<const Vector6d> loose = {});
 
 /// The same for any two scans in constant time, in either direction, from sums kept once.
 class OdometryChain {

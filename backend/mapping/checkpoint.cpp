@@ -1,5 +1,6 @@
 #include "backend/mapping/checkpoint.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -74,6 +75,15 @@ std::uint64_t identity_sum(const SessionIdentity& identity) {
   return sum.value();
 }
 
+// A quality for each scan, in a state that there is.
+bool consistent(const RunState& state) {
+  return state.quality.size() == state.trajectory.size() &&
+         std::all_of(state.quality.begin(), state.quality.end(), [](const ScanQuality& q) {
+           return q.state >= OdometryState::good && q.state <= OdometryState::predicted &&
+                  q.weakest >= 0 && q.weakest < 6;
+         });
+}
+
 }  // namespace
 
 Checkpoint::Checkpoint(const SessionFolder& folder, const SessionIdentity& identity)
@@ -89,10 +99,12 @@ void Checkpoint::save(const RunState& state) const {
   put(body, identity_);
   put(body, state.times);
   put(body, state.scans_finished);
+  put(body, state.unusable_scans);
   state.odometry.save(body);
   state.builder.save(body);
   state.keeper.save(body);
   put_all(body, state.trajectory);
+  put_all(body, state.quality);
   put_all(body, state.finder.maps());
   std::vector<StoredClosure> closures;
   for (const ClosureRecord& c : state.finder.closures()) closures.push_back(store(c));
@@ -126,6 +138,7 @@ void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const 
   }
   get(in, state.times);
   get(in, state.scans_finished);
+  get(in, state.unusable_scans);
   state.odometry.load(in);
   state.builder.load(in);
   state.keeper.load(in);
@@ -133,6 +146,9 @@ void Checkpoint::load(RunState& state, const LoopClosureOptions& options) const 
   if (!in)
     throw InputError(file_.string() + ": the checkpoint is damaged; run again with --overwrite");
   get_all(in, state.trajectory);
+  get_all(in, state.quality);
+  if (!consistent(state))
+    throw InputError(file_.string() + ": the checkpoint is damaged; run again with --overwrite");
   std::vector<LocalMapRecord> maps;
   get_all(in, maps);
   std::vector<StoredClosure> stored;

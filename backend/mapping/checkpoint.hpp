@@ -10,8 +10,8 @@
 
 namespace groundloop {
 
-/// "GCHECK07": the first eight bytes of a checkpoint; another version has another number.
-inline constexpr std::uint64_t kCheckpointMagic = 0x37304b4345484347ULL;
+/// "GCHECK08": the first eight bytes of a checkpoint; another version has another number.
+inline constexpr std::uint64_t kCheckpointMagic = 0x38304b4345484347ULL;
 
 class Checkpoint {
  public:

@@ -9,12 +9,13 @@ MappingThread::MappingThread(LocalMapBuilder& builder, ClosureFinder& finder, Sc
 
 MappingThread::~MappingThread() { stop(); }
 
-void MappingThread::add(Points points, std::vector<float> intensity, const Pose& T_world_scan) {
+void MappingThread::add(Points points, std::vector<float> intensity, const Pose& T_world_scan,
+                        bool apart) {
   {
     const std::lock_guard lock(mutex_);
     ++pending_;
   }
-  if (!queue_.push({std::move(points), std::move(intensity), T_world_scan})) finish();
+  if (!queue_.push({std::move(points), std::move(intensity), T_world_scan, apart})) finish();
 }
 
 void MappingThread::drain() {
@@ -37,6 +38,10 @@ void MappingThread::run() {
   try {
     while (std::optional<Item> item = queue_.pop()) {
       auto start = Clock::now();
+      if (item->apart) {
+        if (const std::optional<LocalMap> before = builder_.finish()) finder_.add(*before);
+        start = Clock::now();
+      }
       const std::optional<LocalMap> map = builder_.add(item->points, item->T_world_scan);
       building_seconds_ += seconds_since(start);
       start = Clock::now();

@@ -24,8 +24,9 @@ class MappingThread {
   MappingThread& operator=(const MappingThread&) = delete;
 
   /// Hands a scan over; waits while the thread is too far behind. Throws what the thread threw.
-  /// `intensity` has a value a point, or none.
-  void add(Points points, std::vector<float> intensity, const Pose& T_world_scan);
+  /// `intensity` has a value a point, or none. Where the scan is `apart` from the one before, the
+  /// map of that one ends.
+  void add(Points points, std::vector<float> intensity, const Pose& T_world_scan, bool apart);
   /// Waits until all scans that were added are mapped; more may follow. Throws what the thread
   /// threw, every time once it has: local maps are missing from then on.
   void drain();
@@ -41,6 +42,7 @@ class MappingThread {
     Points points;
     std::vector<float> intensity;
     Pose T_world_scan;
+    bool apart;
   };
   void run();
   void stop();

@@ -53,8 +53,9 @@ PoseGraph key_pose_graph(const Work& work, const std::vector<ClosureRecord>& clo
   T_world_scan.reserve(work.odometry.size());
   for (const StampedPose& sample : work.odometry) T_world_scan.push_back(sample.pose);
   for (std::size_t m = 1; m < maps.size(); ++m) {
-    const RelativePose step = compose_odometry(T_world_scan, maps[m - 1].first_scan,
-                                               maps[m].first_scan, work.information);
+    const RelativePose step =
+        compose_odometry(T_world_scan, maps[m - 1].first_scan, maps[m].first_scan, work.information,
+                         work.given.loose);
     Matrix6d information = step.covariance.inverse();
     information = (0.5 * (information + information.transpose())).eval();
     graph.edges.push_back(
@@ -199,8 +200,14 @@ OptimizationSummary solve_all_scans(const Work& work, const std::vector<ClosureR
   }
   for (std::size_t i = 1; i < odometry.size(); ++i) {
     const Pose step = odometry[i - 1].pose.inverse() * odometry[i].pose;
-    graph.edges.push_back({static_cast<int>(i - 1), static_cast<int>(i), step,
-                           odometry_information(step, work.information), EdgeKind::odometry});
+    Matrix6d information = odometry_information(step, work.information);
+    // Both are diagonal.
+    if (!work.given.loose.empty() && !work.given.loose[i].isZero(0.0)) {
+      information.diagonal() =
+          (information.diagonal().cwiseInverse() + work.given.loose[i]).cwiseInverse();
+    }
+    graph.edges.push_back(
+        {static_cast<int>(i - 1), static_cast<int>(i), step, information, EdgeKind::odometry});
   }
   for (const ClosureRecord& c : closures) {
     if (c.status != ClosureStatus::accepted) continue;

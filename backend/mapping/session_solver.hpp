@@ -57,6 +57,8 @@ struct SolverInput {
   VerificationOptions verification;
   RegistrationOptions registration;
   bool pairwise_consistency = true;
+  /// Of the steps of odometry (loose_steps in odometry_trust.hpp); none where it is empty.
+  std::vector<Vector6d> loose = {};
 };
 
 struct SessionSolution {

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "backend/graph/marginals.hpp"
+#include "backend/mapping/odometry_table.hpp"
 #include "backend/mapping/scan_processing.hpp"
 #include "backend/session/session_graph.hpp"
 #include "backend/session/uncertainty_table.hpp"
@@ -14,6 +15,7 @@ namespace {
 void write_results(const SessionFolder& folder, const SlamResult& result,
                    const ClosureFinder& finder) {
   write_tum(folder.file("odometry.tum"), result.odometry);
+  write_odometry_quality(folder.file("odometry_quality.csv"), result.quality);
   write_tum(folder.file("trajectory.tum"), result.solution.trajectory);
   write_kitti_poses(folder.file("trajectory.kitti"), result.solution.trajectory);
   write_closures(folder.file("closures.csv"), result.closures);
@@ -25,6 +27,14 @@ void write_results(const SessionFolder& folder, const SlamResult& result,
     spdlog::warn("uncertainty.csv is not written: the pose graph leaves a pose open");
   }
   finder.database().save(folder.file("loop_database.bin"));
+}
+
+void log_trust(const OdometryTrust& trust) {
+  const std::string warning = warning_of(trust);
+  if (!warning.empty()) spdlog::warn("{}", warning);
+  spdlog::info("odometry: {} scans good, {} weak, {} lost, {} predicted",
+               trust.count(OdometryState::good), trust.count(OdometryState::weak),
+               trust.count(OdometryState::lost), trust.count(OdometryState::predicted));
 }
 
 }  // namespace
@@ -39,6 +49,8 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOut
                                options.registration),
                  ScanKeeper(folder, options.kept_scans),
                  {},
+                 {},
+                 0,
                  {}};
   const Checkpoint checkpoint(folder, output.identity());
   if (output.state() == SessionOutput::State::resumed && checkpoint.exists())
@@ -50,14 +62,24 @@ SlamResult run_slam(Recording& recording, const SlamOptions& options, SessionOut
 
   result.times = state.times;
   result.odometry = std::move(state.trajectory);
+  result.quality = std::move(state.quality);
+  result.trust = trust_of(result.quality, result.odometry);
+  log_trust(result.trust);
+  result.unusable_scans = state.unusable_scans;
   result.predicted_scans = state.odometry.predicted_scans();
   result.closures = state.finder.closures();
   result.maps = state.finder.maps();
   result.scan_files = state.keeper.files();
-  const SolverInput input{
-      result.odometry,      options.levelling,    options.odometry_information,
-      options.pose_graph,   options.revisits,     options.map_quality,
-      options.verification, options.registration, options.closures.pairwise_consistency};
+  const SolverInput input{result.odometry,
+                          options.levelling,
+                          options.odometry_information,
+                          options.pose_graph,
+                          options.revisits,
+                          options.map_quality,
+                          options.verification,
+                          options.registration,
+                          options.closures.pairwise_consistency,
+                          loose_steps(result.quality, result.odometry)};
   result.solution =
       solve_session(input, result.maps, state.finder.store(), result.closures, progress);
   result.times.levelling = result.solution.levelling_seconds;

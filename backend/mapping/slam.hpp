@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/mapping/closure_finder.hpp"
+#include "backend/mapping/odometry_trust.hpp"
 #include "backend/mapping/scan_keeper.hpp"
 #include "backend/mapping/session_solver.hpp"
 #include "backend/mapping/stage_times.hpp"
@@ -55,7 +56,10 @@ struct SlamOptions {
 
 struct SlamResult {
   Trajectory odometry;
-  std::size_t predicted_scans = 0;  ///< whose view was blocked
+  std::vector<ScanQuality> quality;  ///< of odometry, one a scan
+  OdometryTrust trust;
+  std::size_t predicted_scans = 0;  ///< of few points, a blocked view, or not to be read
+  std::size_t unusable_scans = 0;   ///< of these, those that could not be read
   SessionSolution solution;
   std::vector<LocalMapRecord> maps;  ///< T_world_map optimised
   std::size_t scan_files = 0;        ///< of kept scans

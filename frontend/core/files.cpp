@@ -11,6 +11,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/scan.hpp"
+#include "frontend/core/unreadable_file.hpp"
 
 namespace groundloop {
 namespace fs = std::filesystem;
@@ -23,12 +24,13 @@ bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0;
 
 std::ifstream open_for_reading(const fs::path& file, std::uintmax_t& size) {
   std::error_code error;
-  if (!fs::exists(file, error)) throw InputError(file.string() + ": no such file; check the path");
+  if (!fs::exists(file, error))
+    throw UnreadableFile(file.string() + ": no such file; check the path");
   if (fs::is_directory(file, error))
     throw InputError(file.string() + ": is a folder, expected a file");
   size = fs::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
-  if (error || !in) throw InputError(file.string() + ": cannot be read; check its permissions");
+  if (error || !in) throw UnreadableFile(file.string() + ": cannot be read; check its permissions");
   return in;
 }
 
@@ -38,8 +40,8 @@ std::vector<std::byte> read_file(const fs::path& file) {
   std::vector<std::byte> bytes(size);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) {
-    throw InputError(file.string() + ": ended after " + std::to_string(in.gcount()) + " of " +
-                     std::to_string(size) + " bytes; is it still being written?");
+    throw UnreadableFile(file.string() + ": ended after " + std::to_string(in.gcount()) + " of " +
+                         std::to_string(size) + " bytes; is it still being written?");
   }
   return bytes;
 }

@@ -48,6 +48,9 @@ Odometry::Odometry(const OdometryOptions& options)
       search_({options.search_scale, radians(options.search_turn_deg), options.search_poor,
                options.search_better},
               options.voxel_size),
+      judge_({options.fine_threshold * options.voxel_size, kCoarseVoxels * options.voxel_size,
+              options.point_to_point ? 1.0 : options.along_plane_weight, options.max_gap,
+              kLongestCoast}),
       threshold_(options.initial_threshold, options.min_motion) {}
 
 Odometry::Sweep Odometry::sweep_of(const Scan& scan) {
@@ -139,7 +142,7 @@ bool Odometry::swings(const Sweep& sweep, const Vector6d& velocity) {
 // axis askew looks like a turn, the same in each sweep. So the mean rate since the last scan is
 // that of the poses, and the sweeps tell how it changed meanwhile.
 SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, DeskewedScan& deskewed,
-                                     double step, Pose& pose) {
+                                     double step, ScanRegistration& registration) {
   SweepPoints source;
   source.times = times_within(scan, options_.min_range, options_.max_range);
   for (float& t : source.times) {
@@ -148,14 +151,14 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
   const auto voxel = static_cast<float>(options_.voxel_size);
   source.points =
       downsampler_(downsampler_(deskewed.points, 0.5F * voxel, source.times), voxel, source.times);
-  const ScanRegistration turning = register_scan(map_, source, pose, fine_kernel());
+  const ScanRegistration turning = register_scan(map_, source, registration.pose, fine_kernel());
 
   const Eigen::Vector3d turn_rate = twist_.tail<3>() + turning.turn / sweep.half;
   SensorMotion motion;
   if (turn_rate_) motion.change.tail<3>() = (turn_rate - *turn_rate_) / step;
-  pose = turning.pose;
+  registration.pose = turning.pose;
   for (int round = 0; round < kSwingRounds; ++round) {
-    motion.velocity = log_se3(T_world_middle_.inverse() * pose) / step;
+    motion.velocity = log_se3(T_world_middle_.inverse() * registration.pose) / step;
     if (turn_rate_) {
       motion.velocity.tail<3>() += 0.5 * step * motion.change.tail<3>();
     } else {
@@ -163,7 +166,7 @@ SensorMotion Odometry::measure_swing(const Scan& scan, const Sweep& sweep, Deske
     }
     deskewed = deskew(scan, motion, sweep.middle);
     const SweepPoints rigid{downsampler_(deskewed.map_points, voxel), {}};
-    pose = register_scan(map_, rigid, pose, fine_kernel()).pose;
+    registration = register_scan(map_, rigid, registration.pose, fine_kernel());
   }
   turn_rate_ = turn_rate;
   return motion;
@@ -180,12 +183,13 @@ void Odometry::insert(const Points& map_points) {
   pruned_at_ = position;
 }
 
-RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep) {
+RegisteredScan Odometry::predicted(const Pose& guess, const Sweep& sweep, double step) {
   ++predicted_scans_;
   turn_rate_.reset();
   T_world_middle_ = guess;
   RegisteredScan result;
   result.predicted = true;
+  result.quality = judge_.predicted(step);
   result.T_world_scan = guess * exp_se3(-sweep.middle * twist_);
   return result;
 }
@@ -213,9 +217,17 @@ bool Odometry::poor(std::size_t points, std::size_t voxels, const std::string& n
   return true;
 }
 
-ScanRegistration Odometry::register_to_map(const SweepPoints& source,
-                                           const SweepPoints& fine_source, const Points& map_points,
-                                           const Pose& guess, double step) {
+std::vector<Pose> Odometry::other_predictions(double step) const {
+  std::vector<Pose> others{T_world_middle_ * exp_se3(last_step_), T_world_middle_};
+  if (step > options_.max_gap)
+    others.push_back(T_world_middle_ * exp_se3(std::min(step, kLongestCoast) * twist_));
+  return others;
+}
+
+PoseSearch::Found Odometry::register_to_map(const SweepPoints& source,
+                                            const SweepPoints& fine_source,
+                                            const Points& map_points, const Pose& guess,
+                                            const std::vector<Pose>& others) {
   const RegistrationKernel coarse_settings = coarse_kernel(), fine_settings = fine_kernel();
   const PoseSearch::Stages stages{
       [&](const Pose& start) { return register_scan(map_, source, start, coarse_settings); },
@@ -223,15 +235,23 @@ ScanRegistration Odometry::register_to_map(const SweepPoints& source,
         return options_.second_registration ? register_scan(map_, fine_source, start, fine_settings)
                                             : register_scan(map_, source, start, coarse_settings);
       }};
-  if (options_.search_scale <= 0.0 || scans_ == 0) return stages.fine(stages.coarse(guess).pose);
-  // The last step, however long it took; no motion; and the velocity kept through a gap.
-  std::vector<Pose> others{T_world_middle_ * exp_se3(last_step_), T_world_middle_};
-  if (step > options_.max_gap)
-    others.push_back(T_world_middle_ * exp_se3(std::min(step, kLongestCoast) * twist_));
+  if (options_.search_scale <= 0.0 || scans_ == 0) return {stages.fine(stages.coarse(guess).pose)};
   const double apart = rotation_angle((guess.inverse() * others.front()).rotation);
   const bool doubtful = apart > kDoubtfulTurn;
   return search_.find(stages, map_, source.points, map_points, guess, others, T_world_middle_,
                       coarse_settings, doubtful);
+}
+
+ScanQuality Odometry::judge(const PoseSearch::Found& found, const Points& points, const Pose& guess,
+                            const std::vector<Pose>& others, double step) {
+  if (map_.empty()) return judge_.first();
+  const Pose& pose = found.registration.pose;
+  double jump = (pose.translation - guess.translation).norm();
+  for (const Pose& other : others)
+    jump = std::min(jump, (pose.translation - other.translation).norm());
+  const double way = (pose.translation - T_world_middle_.translation).norm();
+  return judge_.registered(
+      {found.registration, points, found.fit, step, way, jump, guess.inverse() * pose});
 }
 
 RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
@@ -251,35 +271,42 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
   const SweepPoints source{downsampler_(deskewed.map_points, 1.5F * voxel), {}};
   if (poor(deskewed.points.size(), source.points.size(), name)) {
     if (scans_ > 0) ++scans_;
-    RegisteredScan result = predicted(guess, sweep);
+    RegisteredScan result = predicted(guess, sweep, scans_ > 0 ? step : 0.0);
     result.seconds = seconds_since(start);
     return result;
   }
   const SweepPoints fine_source{downsampler_(deskewed.map_points, voxel), {}};
-  const ScanRegistration fine =
-      register_to_map(source, fine_source, deskewed.map_points, guess, step);
+  const std::vector<Pose> others = other_predictions(step);
+  PoseSearch::Found found =
+      register_to_map(source, fine_source, deskewed.map_points, guess, others);
 
-  Pose pose = fine.pose;
   // What a gap brings says nothing of the steps after it.
-  if (followed) learn_deviation(guess, pose);
-  last_step_ = scans_ > 0 ? log_se3(T_world_middle_.inverse() * pose) : Vector6d::Zero();
+  if (followed) learn_deviation(guess, found.registration.pose);
+  last_step_ =
+      scans_ > 0 ? log_se3(T_world_middle_.inverse() * found.registration.pose) : Vector6d::Zero();
   SensorMotion motion{twist_};
   if (followed) {
     motion.velocity = last_step_ / step;
     if (sweep.half > 0.0 && swings(sweep, motion.velocity)) {
-      motion = measure_swing(scan, sweep, deskewed, step, pose);
+      motion = measure_swing(scan, sweep, deskewed, step, found.registration);
     } else {
       turn_rate_.reset();
     }
   }
+  RegisteredScan result;
+  result.quality = judge(found, fine_source.points, guess, others, step);
+  // Where a gap was too long, the map is that of another place: the scan begins one of its own.
+  if (result.quality.doubt == Doubt::long_gap) {
+    map_.clear();
+    search_.clear();
+  }
   twist_ = motion.velocity;
-  T_world_middle_ = pose;
+  T_world_middle_ = found.registration.pose;
   ++scans_;
   insert(deskewed.map_points);
 
   // From the middle of the sweep to the instant of the stamp, with the motion just measured.
   const Pose T_middle_scan = motion.after(-sweep.middle);
-  RegisteredScan result;
   result.T_world_scan = T_world_middle_ * T_middle_scan;
   result.points = std::move(deskewed.points);
   if (sweep.middle != 0.0) {
@@ -287,9 +314,7 @@ RegisteredScan Odometry::add(const Scan& scan, const std::string& name) {
     for (Eigen::Vector3f& p : result.points) p = T_scan_middle * p;
   }
   result.registration_points = source.points.size() + fine_source.points.size();
-  result.iterations = fine.iterations;
-  result.registration = fine;
-  result.deviation = guess.inverse() * pose;
+  result.iterations = found.registration.iterations;
   result.seconds = seconds_since(start);
   return result;
 }
@@ -312,6 +337,7 @@ void Odometry::save(std::ostream& out) const {
   put(out, pruned_at_);
   map_.save(out);
   search_.save(out);
+  judge_.save(out);
 }
 
 void Odometry::load(std::istream& in) {
@@ -335,6 +361,7 @@ void Odometry::load(std::istream& in) {
   get(in, pruned_at_);
   map_.load(in);
   search_.load(in);
+  judge_.load(in);
   const bool finite = T_world_middle_.translation.allFinite() && twist_.allFinite() &&
                       last_step_.allFinite() &&
                       std::abs(T_world_middle_.rotation.norm() - 1.0) < 1e-6;

@@ -28,6 +28,7 @@
 #include "frontend/core/pose.hpp"
 #include "frontend/core/scan.hpp"
 #include "frontend/odometry/adaptive_threshold.hpp"
+#include "frontend/odometry/odometry_quality.hpp"
 #include "frontend/odometry/pose_search.hpp"
 #include "frontend/odometry/preprocessing.hpp"
 #include "frontend/odometry/scan_registration.hpp"
@@ -120,9 +121,8 @@ struct RegisteredScan {
   Pose T_world_scan;  ///< at the scan's stamp
   Points points;      ///< within range, deskewed to the stamp's instant, scan frame; none where the
                       ///< pose was predicted
-  bool predicted = false;         ///< not registered: few points, or a blocked view
-  ScanRegistration registration;  ///< the last of the scan: how well it went
-  Pose deviation;                 ///< from constant velocity: T_predicted_registered
+  bool predicted = false;  ///< not registered: few points, or a blocked view
+  ScanQuality quality;     ///< how well it went, and in which state odometry is
   std::size_t registration_points = 0;
   int iterations = 0;
   double seconds = 0.0;  ///< busy time of this scan
@@ -176,23 +176,29 @@ class Odometry {
   [[nodiscard]] bool blocked(std::size_t voxels);
   // Whether a scan of so many points, which fill so many voxels, cannot be registered.
   [[nodiscard]] bool poor(std::size_t points, std::size_t voxels, const std::string& name);
-  RegisteredScan predicted(const Pose& guess, const Sweep& sweep);
-  [[nodiscard]] ScanRegistration register_to_map(const SweepPoints& source,
-                                                 const SweepPoints& fine_source,
-                                                 const Points& map_points, const Pose& guess,
-                                                 double step);
+  RegisteredScan predicted(const Pose& guess, const Sweep& sweep, double step);
+  [[nodiscard]] PoseSearch::Found register_to_map(const SweepPoints& source,
+                                                  const SweepPoints& fine_source,
+                                                  const Points& map_points, const Pose& guess,
+                                                  const std::vector<Pose>& others);
+  // Where the sensor may be beside the guess: after its last step once more, however long it took;
+  // where it was; and where its velocity leads through a gap.
+  [[nodiscard]] std::vector<Pose> other_predictions(double step) const;
+  [[nodiscard]] ScanQuality judge(const PoseSearch::Found& found, const Points& points,
+                                  const Pose& guess, const std::vector<Pose>& others, double step);
   void learn_deviation(const Pose& guess, const Pose& registered);
   // Whether the sensor swings, now that its mean velocity since the last scan is `velocity`.
   [[nodiscard]] bool swings(const Sweep& sweep, const Vector6d& velocity);
-  // Registers a scan of a sensor that swings, from `pose` on, and deskews it anew. Returns how the
-  // sensor moved about the middle of the sweep.
+  // Registers a scan of a sensor that swings, from where it is registered on, and deskews it anew.
+  // Returns how the sensor moved about the middle of the sweep.
   SensorMotion measure_swing(const Scan& scan, const Sweep& sweep, DeskewedScan& deskewed,
-                             double step, Pose& pose);
+                             double step, ScanRegistration& registration);
   void insert(const Points& map_points);
 
   OdometryOptions options_;
   VoxelMap map_;
   PoseSearch search_;
+  OdometryJudge judge_;
   AdaptiveThreshold threshold_;
   VoxelDownsampler downsampler_;
   // The pose and velocity of the last scan, at the middle of its sweep.

@@ -25,10 +25,10 @@ PoseSearch::PoseSearch(const Options& options, double voxel_size)
       voxel_size_(voxel_size),
       wide_map_(static_cast<float>(std::max(1.0, options.scale) * voxel_size)) {}
 
-ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, const Points& source,
-                                  const Points& map_points, const Pose& guess,
-                                  const std::vector<Pose>& others, const Pose& last,
-                                  const RegistrationKernel& kernel, bool doubtful) {
+PoseSearch::Found PoseSearch::find(const Stages& stages, const VoxelMap& map, const Points& source,
+                                   const Points& map_points, const Pose& guess,
+                                   const std::vector<Pose>& others, const Pose& last,
+                                   const RegistrationKernel& kernel, bool doubtful) {
   Pose first = guess;
   if (doubtful) {
     double nearest = mean_distance(map, source, guess, voxel_size_);
@@ -42,7 +42,7 @@ ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, con
   // Where registrations began and came to: from near there another leads to the same place.
   std::vector<Pose> visited{first, stages.coarse(first).pose};
   ScanRegistration best = stages.fine(visited.back());
-  if (map.empty() || source.empty()) return best;
+  if (map.empty() || source.empty()) return {best};
   double distance = mean_distance(map, source, best.pose, voxel_size_);
   // The first scan is the measure of those after it.
   const auto poor = [&] { return scans_ > 0 && distance > options_.poor * usual_; };
@@ -88,18 +88,26 @@ ScanRegistration PoseSearch::find(const Stages& stages, const VoxelMap& map, con
       }
     }
   }
+  const double fit = usual_ > 0.0 ? distance / usual_ : 0.0;
   ++scans_;
   usual_ += std::max(kGain, 1.0 / static_cast<double>(scans_)) * (distance - usual_);
   // Where no start has led nearer time after time, it is the scene that is unusual: the next scan
   // of it is not searched for unless it lies farther still.
   if (searched) fruitless_ = distance == at_first ? fruitless_ + 1 : 0;
   if (searched && fruitless_ >= kPatience) usual_ = std::max(usual_, distance / options_.poor);
-  return best;
+  return {best, fit};
 }
 
 void PoseSearch::insert(const Points& map_points, const Pose& T_world_scan) {
   const auto voxel = static_cast<float>(options_.scale * voxel_size_);
   wide_map_.insert(downsampler_(map_points, 0.5F * voxel), T_world_scan);
+}
+
+void PoseSearch::clear() {
+  wide_map_.clear();
+  usual_ = 0.0;
+  scans_ = 0;
+  fruitless_ = 0;
 }
 
 void PoseSearch::remove_beyond(const Eigen::Vector3d& center, float distance) {

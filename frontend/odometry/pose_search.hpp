@@ -41,19 +41,25 @@ class PoseSearch {
     std::function<ScanRegistration(const Pose&start)> coarse, fine;
   };
 
+  struct Found {
+    ScanRegistration registration;
+    double fit = 0.0;  ///< mean distance from the map over what was usual before; 0: none was yet
+  };
+
   /// The registration from `guess`, or where that fits poorly the one that fits better. `source`:
   /// the points of the scan that distances from `map` are taken of; `map_points`: those that the
   /// map will get; `others`: further predictions; `last`: the last scan's pose; `kernel`: of the
   /// wide registration; `doubtful`: the guess is little more than one, so that the
   /// registration begins where the scan lies nearest to the map. (Not else: ground seen by rings
   /// lies nearest where the sensor has not moved.)
-  [[nodiscard]] ScanRegistration find(const Stages& stages, const VoxelMap& map,
-                                      const Points& source, const Points& map_points,
-                                      const Pose& guess, const std::vector<Pose>& others,
-                                      const Pose& last, const RegistrationKernel& kernel,
-                                      bool doubtful);
+  [[nodiscard]] Found find(const Stages& stages, const VoxelMap& map, const Points& source,
+                           const Points& map_points, const Pose& guess,
+                           const std::vector<Pose>& others, const Pose& last,
+                           const RegistrationKernel& kernel, bool doubtful);
 
   void insert(const Points& map_points, const Pose& T_world_scan);
+  /// Forgets the map and what was usual in it.
+  void clear();
   void remove_beyond(const Eigen::Vector3d& center, float distance);
 
   /// Exact state for a resumable session.

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "frontend/core/error.hpp"
+
 namespace groundloop::recordings {
 
 namespace {
@@ -27,17 +29,6 @@ double angle_at(const Histogram& histogram, std::size_t total, double share) {
   return 90.0;
 }
 
-// Share of the bins between the extremes that 90 % of the points need: small where beams are sharp.
-double spread(const Histogram& histogram, std::size_t total, double lowest, double highest) {
-  Histogram sorted = histogram;
-  std::sort(sorted.begin(), sorted.end(), std::greater<>());
-  std::size_t sum = 0, bins = 0;
-  while (bins < kBins && static_cast<double>(sum) < 0.9 * static_cast<double>(total)) {
-    sum += sorted[bins++];
-  }
-  return static_cast<double>(bins) * kBinDeg / std::max(highest - lowest, kBinDeg);
-}
-
 }  // namespace
 
 void correct_elevation(Points& points, double degrees) {
@@ -57,7 +48,12 @@ SensorSignature sensor_signature(Recording& recording) {
   std::size_t all_total = 0, far_total = 0;
   const std::size_t samples = std::min(kSampledScans, recording.size());
   for (std::size_t k = 0; k < samples; ++k) {
-    const Scan scan = recording.read(k * recording.size() / samples);
+    Scan scan;
+    try {
+      scan = recording.read(k * recording.size() / samples);
+    } catch (const InputError&) {
+      continue;  // the others tell
+    }
     for (const Eigen::Vector3f& p : scan.points) {
       const double horizontal = std::hypot(static_cast<double>(p.x()), static_cast<double>(p.y()));
       const double elevation = std::atan2(static_cast<double>(p.z()), horizontal) / kDegree;
@@ -76,14 +72,12 @@ SensorSignature sensor_signature(Recording& recording) {
   }
   signature.lowest_deg = angle_at(all, all_total, 0.001);
   signature.highest_deg = angle_at(far, far_total, 0.999);
-  const double blur = spread(all, all_total, signature.lowest_deg, signature.highest_deg);
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "elevations from %.1f to %+.1f degrees, beams %s",
-                signature.lowest_deg, signature.highest_deg,
-                blur > 0.25 ? "blurred as by a real HDL-64E" : "sharp, unlike a real HDL-64E");
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "elevations from %.1f to %+.1f degrees",
+                signature.lowest_deg, signature.highest_deg);
   signature.reason = text.data();
   signature.kitti_hdl64 = signature.lowest_deg > -26.5 && signature.lowest_deg < -22.0 &&
-                          signature.highest_deg > 1.4 && signature.highest_deg < 4.0 && blur > 0.25;
+                          signature.highest_deg > 1.4 && signature.highest_deg < 4.0;
   return signature;
 }
 

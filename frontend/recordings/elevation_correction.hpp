@@ -19,9 +19,7 @@ struct SensorSignature {
   double lowest_deg = 0.0, highest_deg = 0.0;
   std::string reason;  ///< why it is or is not KITTI's sensor
 };
-/// Judges by the field of view (+2 to -24.8 degrees) and by the blur of its beams: the lasers of a
-/// real HDL-64E sit apart from the sensor's origin, so that a beam's elevation varies with range,
-/// whereas computed scans have each beam at one angle.
+/// Judges by the field of view of an HDL-64E: +2 to -24.8 degrees.
 [[nodiscard]] SensorSignature sensor_signature(Recording& recording);
 
 }  // namespace groundloop::recordings

@@ -146,18 +146,27 @@ class FolderRecording final : public ScanFiles {
     return {bin_layout_, record_count(index, bin_layout_.packed_size, kBinFields)};
   }
 
-  // Fields and the meaning of their times, from scans spread over the recording.
+  // Fields and the meaning of their times, from scans spread over the recording: those that can be
+  // used.
   void learn_layout() {
     TimeSurvey survey;
+    std::string fault;
     for (const std::size_t index : spread_indices(files_.size())) {
       read_file_into(files_[index], buffer_);
-      const PointTable table = parse(index);
+      PointTable table;
+      try {
+        table = parse(index);
+      } catch (const InputError& e) {
+        if (fault.empty()) fault = e.what();
+        continue;
+      }
       if (info_.fields.empty()) {
         info_.fields = table.layout.described();
         info_.attributes = table.layout.attributes();
       }
       survey.add(table.layout, buffer_, table.count, stamps_[index], files_[index].string());
     }
+    if (info_.fields.empty() && !fault.empty()) throw InputError(fault);
     times_ = survey.finish({scan_duration(stamps_), stamps_known_, time_unit_}, info_);
   }
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "frontend/core/unreadable_file.hpp"
+
 namespace groundloop {
 
 ReadAhead::ReadAhead(Recording& recording, std::size_t first, std::size_t count, std::size_t depth)
@@ -25,16 +27,13 @@ ReadAhead::~ReadAhead() {
 std::optional<Scan> ReadAhead::next() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !scans_.empty() || finished_; });
-  if (scans_.empty()) {
-    // Scans before the one that failed are handed out first.
-    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-    return std::nullopt;
-  }
-  std::optional<Scan> scan(std::move(scans_.front()));
+  if (scans_.empty()) return std::nullopt;
+  Item item = std::move(scans_.front());
   scans_.pop_front();
   lock.unlock();
   changed_.notify_all();
-  return scan;
+  if (item.error) std::rethrow_exception(item.error);
+  return std::move(item.scan);
 }
 
 double ReadAhead::seconds_reading() const {
@@ -44,26 +43,30 @@ double ReadAhead::seconds_reading() const {
 
 void ReadAhead::run(std::size_t first, std::size_t end) {
   using Clock = std::chrono::steady_clock;
-  std::exception_ptr error;
-  for (std::size_t i = first; i < end && !error; ++i) {
+  bool over = false;
+  for (std::size_t i = first; i < end && !over; ++i) {
     const Clock::time_point begin = Clock::now();
-    Scan scan;
+    Item item;
     try {
-      scan = recording_.read(i);
+      item.scan = recording_.read(i);
+    } catch (const UnreadableFile&) {
+      item.error = std::current_exception();
+      over = true;
+    } catch (const InputError&) {
+      item.error = std::current_exception();
     } catch (...) {
-      error = std::current_exception();
-      break;
+      item.error = std::current_exception();
+      over = true;
     }
     std::unique_lock lock(mutex_);
     seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
     changed_.wait(lock, [&] { return scans_.size() < depth_ || stop_; });
     if (stop_) return;
-    scans_.push_back(std::move(scan));
+    scans_.push_back(std::move(item));
     lock.unlock();
     changed_.notify_all();
   }
   const std::lock_guard lock(mutex_);
-  error_ = error;
   finished_ = true;
   changed_.notify_all();
 }

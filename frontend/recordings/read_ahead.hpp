@@ -23,8 +23,8 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  /// The next scan; nothing after the last one. Rethrows what reading it threw, after which
-  /// nothing follows.
+  /// The next scan; nothing after the last one. Rethrows what reading it threw: after InputError
+  /// the scan after it follows, after UnreadableFile and all else nothing.
   [[nodiscard]] std::optional<Scan> next();
 
   /// Seconds the background thread spent reading so far.
@@ -37,8 +37,11 @@ class ReadAhead {
   const std::size_t depth_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Scan> scans_;
-  std::exception_ptr error_;
+  struct Item {
+    Scan scan;
+    std::exception_ptr error;  // in the scan's place
+  };
+  std::deque<Item> scans_;
   double seconds_ = 0.0;
   bool finished_ = false;
   bool stop_ = false;

@@ -87,7 +87,22 @@ void ScanFiles::check_length(std::size_t index, std::size_t record, const char* 
 }
 
 void ScanFiles::check_lengths(std::size_t record, const char* fields) {
-  for (std::size_t i = 0; i + 1 < files_.size(); ++i) check_length(i, record, fields);
+  std::size_t broken = 0;
+  std::string first;
+  for (std::size_t i = 0; i + 1 < files_.size(); ++i) {
+    try {
+      check_length(i, record, fields);
+    } catch (const InputError& e) {
+      if (broken++ == 0) first = e.what();
+    }
+  }
+  // A length that most files do not fit is that of another record.
+  if (2 * broken > files_.size()) throw InputError(first);
+  if (broken > 0) {
+    info_.warnings.push_back(std::to_string(broken) +
+                             (broken == 1 ? " scan" : " scans, the first of them named here,") +
+                             " cannot be used: " + first + ".");
+  }
   check_last([&](std::size_t i) { check_length(i, record, fields); });
 }
 

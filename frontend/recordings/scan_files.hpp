@@ -42,9 +42,9 @@ class ScanFiles : public Recording {
   /// Stamps from the files' names in `nanoseconds` units; throws InputError naming a file whose
   /// name is none.
   void take_stamps_from_names(Nanoseconds nanoseconds, const char* unit);
-  /// Throws InputError for the first file that is empty or whose length is no multiple of `record`,
-  /// so that a run of hours does not end at a file that could have been seen at its start. The last
-  /// one is left out instead, with a warning, where enough is there without it.
+  /// Warns of files that are empty or whose length is no multiple of `record`: reading them throws.
+  /// Throws InputError naming the first where most are, which says that the record is another. The
+  /// last one is left out, with a warning, where enough is there without it.
   void check_lengths(std::size_t record, const char* fields);
   /// Calls `check` for the last file, and leaves that out, with its stamp, where it throws an
   /// InputError and there are more: a recording that was interrupted.

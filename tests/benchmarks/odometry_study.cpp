@@ -4,14 +4,14 @@
 //
 //   groundloop_odometry_study [--truth FILE] [--first N] [--count N] [--perturb NAME,NAME...]
 //                             [--variant "NAME: KEY=VALUE KEY=VALUE..."]... [--poses FILE]
-//                             [--threads N] RECORDING [KEY=VALUE]...
+//                             [--quality FILE] [--threads N] RECORDING [KEY=VALUE]...
 //
 // APE: rmse of positions after SE(3) alignment; drift: mean error of segments of 100 to 800 m (the
 // KITTI metric); step: rms error of position and angle from scan to scan; thickness: median
 // standard deviation across surfaces in 1 m cells of 40 scans (surface_thickness.hpp); ms:
 // processor time a scan, of odometry alone. --truth takes a KITTI file with a row a scan, or a TUM
 // file; without it the recording's own truth is used. --poses writes the odometry of the last row
-// as TUM.
+// as TUM, --quality how well it went as the session's odometry_quality.csv.
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -21,6 +21,8 @@
 
 #include "apps/config/config.hpp"
 #include "backend/evaluation/trajectory_evaluation.hpp"
+#include "backend/mapping/odometry_table.hpp"
+#include "backend/mapping/odometry_trust.hpp"
 #include "frontend/core/error.hpp"
 #include "frontend/core/parallel.hpp"
 #include "frontend/odometry/odometry.hpp"
@@ -37,7 +39,7 @@ struct Variant {
 };
 
 struct Arguments {
-  std::string recording, truth, poses;
+  std::string recording, truth, poses, quality;
   RecordingOptions options;
   std::vector<std::string> perturbations{"none"}, settings;
   std::vector<Variant> variants;
@@ -64,6 +66,8 @@ Arguments parse(int count, char** words) {
       result.truth = value();
     } else if (word == "--poses") {
       result.poses = value();
+    } else if (word == "--quality") {
+      result.quality = value();
     } else if (word == "--first") {
       result.options.first = std::stoul(value());
     } else if (word == "--count") {
@@ -122,7 +126,7 @@ double processor_seconds() {
 struct Row {
   Trajectory odometry;
   double thickness = 0.0, seconds = 0.0, iterations = 0.0;
-  std::size_t predicted = 0;
+  std::vector<ScanQuality> quality;
 };
 
 Row run_odometry(Recording& recording, const OdometryOptions& options) {
@@ -137,10 +141,10 @@ Row run_odometry(Recording& recording, const OdometryOptions& options) {
     row.seconds += processor_seconds() - start;
     row.iterations += result.iterations;
     row.odometry.push_back({scan.stamp, result.T_world_scan});
+    row.quality.push_back(result.quality);
     thickness.add(result.points, result.T_world_scan);
   }
   row.thickness = thickness.median();
-  row.predicted = odometry.predicted_scans();
   return row;
 }
 
@@ -164,8 +168,12 @@ void print(const std::string& name, const std::string& perturbation, const Row& 
     std::printf(" %.1f, %.3f |", 100.0 * e.rpe_frame.translation_m.rmse,
                 e.rpe_frame.rotation_deg.rmse);
   }
-  std::printf(" %.1f | %.1f | %zu | %.1f |\n", 1e3 * row.thickness, row.iterations / scans,
-              row.predicted, 1e3 * row.seconds / scans);
+  const OdometryTrust trust = trust_of(row.quality, row.odometry);
+  std::printf(" %.1f | %.1f | %zu, %zu, %zu | %s | %.1f |\n", 1e3 * row.thickness,
+              row.iterations / scans, trust.count(OdometryState::weak),
+              trust.count(OdometryState::lost), trust.count(OdometryState::predicted),
+              trust.lost.empty() ? "" : std::to_string(trust.lost.front().first_scan).c_str(),
+              1e3 * row.seconds / scans);
   std::fflush(stdout);
 }
 
@@ -173,9 +181,9 @@ void run(const Arguments& arguments) {
   std::printf("%s\n\n", arguments.recording.c_str());
   std::printf(
       "| variant | perturbation | scans | path, m | APE, m | drift, %% | step, cm and deg | "
-      "thickness, mm | iterations | predicted | ms |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-  Trajectory last;
+      "thickness, mm | iterations | weak, lost, predicted | lost from | ms |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  Row last;
   for (const Variant& variant : arguments.variants) {
     std::vector<std::string> settings = arguments.settings;
     settings.insert(settings.end(), variant.settings.begin(), variant.settings.end());
@@ -189,10 +197,11 @@ void run(const Arguments& arguments) {
       recording = perturb(std::move(recording), perturbation);
       const Row row = run_odometry(*recording, config.slam.odometry);
       print(variant.name, perturbation, row, recording->ground_truth());
-      last = row.odometry;
+      last = row;
     }
   }
-  if (!arguments.poses.empty()) write_tum(arguments.poses, last);
+  if (!arguments.poses.empty()) write_tum(arguments.poses, last.odometry);
+  if (!arguments.quality.empty()) write_odometry_quality(arguments.quality, last.quality);
 }
 
 }  // namespace

@@ -108,6 +108,54 @@ class Turned final : public Selected {
   Eigen::Quaterniond rotation_;
 };
 
+// A sensor shaken in its mount: each scan seen from a head turned by a rotation of its own, whose
+// angles about three axes are normally distributed.
+class Shaken final : public Selected {
+ public:
+  Shaken(std::unique_ptr<Recording> inner, std::vector<std::size_t> scans, double degrees)
+      : Selected(std::move(inner), std::move(scans)) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> angle(0.0, degrees * M_PI / 180.0);
+    for (std::size_t i = 0; i < size(); ++i) {
+      const double x = angle(random), y = angle(random), z = angle(random);
+      rotations_.push_back(exp_so3(Eigen::Vector3d(x, y, z)));
+    }
+  }
+  Scan read(std::size_t index) override {
+    Scan scan = Selected::read(index);
+    const Eigen::Matrix3f R = rotations_.at(index).toRotationMatrix().transpose().cast<float>();
+    for (Eigen::Vector3f& p : scan.points) p = R * p;
+    return scan;
+  }
+  Trajectory ground_truth() const override {
+    Trajectory truth = Selected::ground_truth();
+    if (truth.size() != size()) return {};
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      truth[i].pose = truth[i].pose * Pose(rotations_[i], Eigen::Vector3d::Zero());
+    return truth;
+  }
+
+ private:
+  std::vector<Eigen::Quaterniond> rotations_;
+};
+
+// From a third of the way on, so many scans see nothing but what covers the sensor.
+class Covered final : public Selected {
+ public:
+  Covered(std::unique_ptr<Recording> inner, std::vector<std::size_t> scans, std::size_t covered)
+      : Selected(std::move(inner), std::move(scans)), first_(size() / 3), end_(first_ + covered) {}
+  Scan read(std::size_t index) override {
+    Scan scan = Selected::read(index);
+    if (index < first_ || index >= end_) return scan;
+    for (Eigen::Vector3f& p : scan.points)
+      if (p.squaredNorm() > 0.0F) p *= 0.3F / p.norm();
+    return scan;
+  }
+
+ private:
+  std::size_t first_, end_;
+};
+
 class Reversed final : public Selected {
  public:
   using Selected::Selected;
@@ -159,6 +207,15 @@ std::unique_ptr<Recording> perturb(std::unique_ptr<Recording> inner,
   if (!digits.empty() && digits.size() < 5 && name == "turn") {
     return std::make_unique<Turned>(std::move(inner), std::move(scans),
                                     static_cast<unsigned>(std::stoul(digits)));
+  }
+  if (!digits.empty() && digits.size() < 5 && name == "shake")
+    return std::make_unique<Shaken>(std::move(inner), std::move(scans), std::stod(digits));
+  if (!digits.empty() && digits.size() < 5 && name == "cover")
+    return std::make_unique<Covered>(std::move(inner), std::move(scans), std::stoul(digits));
+  if (!digits.empty() && digits.size() < 5 && name == "gap") {
+    const std::size_t first = scans.size() / 3, count = std::stoul(digits);
+    std::erase_if(scans, [&](std::size_t i) { return i >= first && i < first + count; });
+    return std::make_unique<Selected>(std::move(inner), std::move(scans));
   }
   throw InputError(perturbation +
                    ": not a perturbation; see tests/benchmarks/perturbed_recording.hpp");

@@ -19,6 +19,10 @@ namespace groundloop {
 ///   turnN                    the sensor mounted another way round, N = 1, 2, ...: all points
 ///   turned
 ///                            by one arbitrary rotation (and with it the grids that they fall into)
+///   shakeN                   each scan seen from a head turned at random, by N degrees (standard
+///                            deviation) about each axis
+///   coverN                   N scans, from a third of the way on, see only a cover at 0.3 m
+///   gapN                     N scans left out there
 ///   reverse                  the last scan first, time running backwards
 /// Throws InputError where it is none of these.
 [[nodiscard]] std::unique_ptr<Recording> perturb(std::unique_ptr<Recording> inner,

@@ -102,15 +102,12 @@ INSTANTIATE_TEST_SUITE_P(
               },
               {},
               {"velodyne"}},
-        Fault{"LengthNoMultipleOfTheRecord",
-              [](const KittiFolder& k) { fs::resize_file(k.scan(2), 1001); },
+        Fault{"NoScanThatCanBeUsed",
+              [](const KittiFolder& k) {
+                for (int i = 0; i < 4; ++i) k.write_scan(i, std::vector<float>(400, NAN));
+              },
               {},
-              {"000002.bin", "1001"}},
-        Fault{"EmptyScan", [](const KittiFolder& k) { k.write_scan(1, {}); }, {}, {"000001.bin"}},
-        Fault{"ScanOfNans",
-              [](const KittiFolder& k) { k.write_scan(1, std::vector<float>(400, NAN)); },
-              {},
-              {"000001.bin"}},
+              {"000000.bin", "NaN"}},
         Fault{"TooFewPointsInEveryScan",
               [](const KittiFolder& k) {
                 for (int i = 0; i < 4; ++i) k.write_scan(i, {1, 2, 3, 0, 4, 5, 6, 0});
@@ -164,6 +161,29 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"UnknownFormat", kNothing, {"--format", "kity"}, {"kity"}},
         Fault{"ResumeWithoutAnInterruptedRun", kNothing, {"--resume"}, {"no interrupted session"}}),
     [](const auto& fault) { return std::string(fault.param.name); });
+
+// A scan that cannot be used is bridged, named and counted, wherever it stands.
+TEST(Run, ScansThatCannotBeUsedEndNothingAndAreNamed) {
+  const std::vector<std::function<void(const KittiFolder&, int)>> faults{
+      [](const KittiFolder& k, int i) { fs::resize_file(k.scan(i), 1001); },
+      [](const KittiFolder& k, int i) { k.write_scan(i, {}); },
+      [](const KittiFolder& k, int i) { k.write_scan(i, std::vector<float>(400, NAN)); }};
+  for (const int scan : {0, 2}) {
+    for (const auto& fault : faults) {
+      const TemporaryFolder folder;
+      const KittiFolder kitti(folder / "recording");
+      fault(kitti, scan);
+      const CommandResult result =
+          run_command({"run", (folder / "recording").string(), "--out", (folder / "out").string()});
+      EXPECT_EQ(result.exit_code, 0) << result.standard_error;
+      const std::string name = kitti.scan(scan).filename().string();
+      EXPECT_THAT(result.standard_error, ::testing::HasSubstr(name));
+      EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), 4U);
+      EXPECT_THAT(read_text(folder / "out/metrics.json"),
+                  ::testing::HasSubstr("\"unusable_scans\": 1"));
+    }
+  }
+}
 
 TEST(Run, AScanOfTwoPointsEndsNothingAndIsSaid) {
   const TemporaryFolder folder;

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "frontend/core/error.hpp"
+#include "frontend/core/unreadable_file.hpp"
 
 namespace groundloop {
 namespace {
@@ -56,12 +56,34 @@ TEST(ReadAhead, StopsAtTheEndOfTheRecording) {
   EXPECT_FALSE(beyond.next());
 }
 
-TEST(ReadAhead, CarriesAnErrorToItsPlaceInTheOrder) {
+TEST(ReadAhead, CarriesAnErrorToItsPlaceInTheOrderAndGoesOn) {
   Counting recording(10, 2);
   ReadAhead ahead(recording, 0, 10);
   EXPECT_TRUE(ahead.next());
   EXPECT_TRUE(ahead.next());
   EXPECT_THROW((void)ahead.next(), InputError);
+  for (Nanoseconds i = 3; i < 10; ++i) {
+    const auto scan = ahead.next();
+    ASSERT_TRUE(scan);
+    EXPECT_EQ(scan->stamp, i);
+  }
+  EXPECT_FALSE(ahead.next());
+}
+
+TEST(ReadAhead, EndsWhereAFileIsNotHandedOut) {
+  class Gone final : public Recording {
+   public:
+    const RecordingInfo& info() const override { return info_; }
+    std::size_t size() const override { return 10; }
+    Nanoseconds stamp(std::size_t index) const override { return static_cast<Nanoseconds>(index); }
+    Scan read(std::size_t) override { throw UnreadableFile("the disk is gone"); }
+
+   private:
+    RecordingInfo info_;
+  };
+  Gone recording;
+  ReadAhead ahead(recording, 0, 10);
+  EXPECT_THROW((void)ahead.next(), UnreadableFile);
   EXPECT_FALSE(ahead.next());
 }
 

@@ -33,6 +33,8 @@ RunState small_run_state(const SessionFolder& folder) {
           ScanKeeper(folder, KeptScanOptions{}),
           {},
           {},
+          0,
+          {},
           false};
 }
 
@@ -41,6 +43,7 @@ void go_on(RunState& state) {
     const Scan scan = small_scan(state.trajectory.size());
     const RegisteredScan registered = state.odometry.add(scan, "scan");
     state.trajectory.push_back({scan.stamp, registered.T_world_scan});
+    state.quality.push_back(registered.quality);
     state.keeper.add(registered.points, {}, registered.T_world_scan);
     if (const auto map = state.builder.add(registered.points, registered.T_world_scan))
       state.finder.add(*map);
