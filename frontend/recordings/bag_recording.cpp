@@ -43,7 +43,6 @@ std::string cut_off_warning(const std::filesystem::path& file, std::uint64_t fro
 namespace {
 
 constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max();
-constexpr std::size_t kHead = 1024;  // holds the header with any frame name in use
 
 std::vector<Topic> all_topics(const std::vector<NamedFile>& files) {
   std::vector<Topic> topics;
@@ -222,7 +221,7 @@ class BagRecording final : public Recording {
       for (const MessageEntry& entry : file.messages(topic_)) {
         std::optional<CloudHeader> header;
         try {
-          file.read(entry, kHead, buffer_);
+          file.read(entry, kHeadBytes, buffer_);
           header = livox_ ? parse_livox_header(buffer_, topic->encoding)
                           : parse_cloud_header(buffer_, topic->encoding);
         } catch (const InputError& e) {
@@ -239,6 +238,7 @@ class BagRecording final : public Recording {
         if (items_.empty()) info_.sensor = "frame " + header->frame;
         items_.push_back({header->stamp, header->stamp, f, topic->encoding, entry});
       }
+      file.forget_heads();
     }
     std::stable_sort(items_.begin(), items_.end(), [](const Item& a, const Item& b) {
       return a.entry.log_time < b.entry.log_time;

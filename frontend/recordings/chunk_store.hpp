@@ -33,6 +33,9 @@ class ChunkStore {
   [[nodiscard]] std::vector<std::byte> read_file(std::uint64_t offset, std::uint64_t size) const;
 
   std::size_t add(const Chunk& chunk);
+  [[nodiscard]] bool is_compressed(std::size_t chunk) const {
+    return chunks_.at(chunk).compression != Compression::none;
+  }
   /// The chunk's decompressed bytes, valid until the next call; false where it is broken.
   [[nodiscard]] bool load(std::size_t chunk, std::span<const std::byte>& bytes);
   /// Bytes [offset, offset + size) of a chunk; of an uncompressed one only these are read.

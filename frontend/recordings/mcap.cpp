@@ -63,11 +63,14 @@ class McapFile final : public MessageFile {
   }
 
   void read(const MessageEntry& entry, std::size_t limit, std::vector<std::byte>& out) override {
+    if (heads_.find(entry, limit, out)) return;
     const std::uint64_t offset = entry.within >> 32U, size = entry.within & 0xffffffffU;
     if (!store_.read(entry.place, offset, std::min<std::uint64_t>(size, limit), out)) {
       throw InputError(file_.string() + ": a chunk that was whole cannot be read any more");
     }
   }
+
+  void forget_heads() override { heads_.clear(); }
 
  private:
   struct Channel {
@@ -119,9 +122,11 @@ class McapFile final : public MessageFile {
     if (cursor.failed() || it == channels_.end() || offset + content.size() > 0xffffffffU) return;
     it->second.topic.count(log_time);
     if (!it->second.topic.is_read()) return;
-    messages_.emplace_back(
-        id, MessageEntry{log_time, chunk,
-                         (offset + kMessageHead) << 32U | (content.size() - kMessageHead)});
+    const MessageEntry entry{log_time, chunk,
+                             (offset + kMessageHead) << 32U | (content.size() - kMessageHead)};
+    messages_.emplace_back(id, entry);
+    if (it->second.topic.is_point_cloud() && store_.is_compressed(chunk))
+      heads_.keep(entry, content.subspan(kMessageHead));
   }
 
   // The Chunk record whose content begins at `offset`.
@@ -264,6 +269,7 @@ class McapFile final : public MessageFile {
     schemas_.clear();
     channels_.clear();
     messages_.clear();
+    heads_.clear();
     broken_chunks_ = 0;
     std::uint64_t position = kMagic.size();
     while (position + kRecordHead <= store_.file_size()) {
@@ -306,6 +312,7 @@ class McapFile final : public MessageFile {
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, Channel> channels_;
   std::vector<std::pair<std::uint16_t, MessageEntry>> messages_;
+  MessageHeads heads_;
   std::size_t broken_chunks_ = 0;
 };
 

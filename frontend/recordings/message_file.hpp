@@ -2,11 +2,15 @@
 // bytes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frontend/core/scan.hpp"
@@ -36,6 +40,33 @@ struct MessageEntry {
   std::uint64_t place = 0, within = 0;
 };
 
+/// Enough of a scan's message to hold its header with any frame name in use.
+inline constexpr std::size_t kHeadBytes = 1024;
+
+/// Beginnings of messages of compressed chunks, kept from when a file is gone through, so that
+/// reading headers does not decompress it once more.
+class MessageHeads {
+ public:
+  void keep(const MessageEntry& entry, std::span<const std::byte> message) {
+    const auto head = message.first(std::min(kHeadBytes, message.size()));
+    heads_.emplace(std::pair(entry.place, entry.within),
+                   std::vector<std::byte>(head.begin(), head.end()));
+  }
+  /// False where more is asked for than was kept.
+  [[nodiscard]] bool find(const MessageEntry& entry, std::size_t limit,
+                          std::vector<std::byte>& out) const {
+    const auto it = heads_.find({entry.place, entry.within});
+    if (it == heads_.end() || limit > kHeadBytes) return false;
+    out.assign(it->second.begin(), it->second.begin() + static_cast<std::ptrdiff_t>(
+                                                            std::min(limit, it->second.size())));
+    return true;
+  }
+  void clear() { heads_.clear(); }
+
+ private:
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::vector<std::byte>> heads_;
+};
+
 class MessageFile {
  public:
   virtual ~MessageFile() = default;
@@ -51,6 +82,8 @@ class MessageFile {
   /// At least the first `limit` bytes of a message (all where it has fewer) into `out`. Throws
   /// InputError naming the file.
   virtual void read(const MessageEntry& entry, std::size_t limit, std::vector<std::byte>& out) = 0;
+  /// Headers have been read: nothing is kept for them any more.
+  virtual void forget_heads() {}
 
  protected:
   std::vector<Topic> topics_;

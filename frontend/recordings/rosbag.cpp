@@ -157,7 +157,10 @@ class ScannedBag final : public MessageFile {
     return entries;
   }
 
+  void forget_heads() override { heads_.clear(); }
+
   void read(const MessageEntry& entry, std::size_t limit, std::vector<std::byte>& out) override {
+    if (heads_.find(entry, limit, out)) return;
     const std::uint64_t offset = entry.within >> 32U, size = entry.within & 0xffffffffU;
     if (!store_.read(entry.place, offset, std::min<std::uint64_t>(size, limit), out)) {
       throw InputError(file_.string() + ": a chunk that was whole cannot be read any more");
@@ -221,7 +224,7 @@ class ScannedBag final : public MessageFile {
       const auto operation = inner.number<std::uint8_t>("op");
       if (operation == kConnection) add_connection(inner, content);
       if (operation == kMessage) {
-        add_message(inner, chunk, cursor.position() - content.size(), content.size());
+        add_message(inner, chunk, cursor.position() - content.size(), content);
       }
     }
   }
@@ -242,7 +245,7 @@ class ScannedBag final : public MessageFile {
   }
 
   void add_message(const RecordHeader& record, std::size_t chunk, std::uint64_t offset,
-                   std::uint64_t size) {
+                   std::span<const std::byte> content) {
     const auto id = record.number<std::uint32_t>("conn");
     const auto time = record.number<std::uint64_t>("time");  // seconds, then nanoseconds
     if (!id || !time || connections_.count(*id) == 0) return;
@@ -251,13 +254,16 @@ class ScannedBag final : public MessageFile {
     Topic& topic = topics_[connections_.at(*id)];
     topic.count(log_time);
     if (!topic.is_read()) return;
-    messages_.emplace_back(*id, MessageEntry{log_time, chunk, offset << 32U | size});
+    const MessageEntry entry{log_time, chunk, offset << 32U | content.size()};
+    messages_.emplace_back(*id, entry);
+    if (topic.is_point_cloud() && store_.is_compressed(chunk)) heads_.keep(entry, content);
   }
 
   fs::path file_;
   ChunkStore store_;
   std::map<std::uint32_t, std::size_t> connections_;  // id to topic
   std::vector<std::pair<std::uint32_t, MessageEntry>> messages_;
+  MessageHeads heads_;
   std::size_t broken_chunks_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/recordings/compression.hpp"
+#include "frontend/recordings/message_file.hpp"
 #include "frontend/recordings/point_cloud2.hpp"
 #include "frontend/recordings/point_times.hpp"
 #include "frontend/recordings/recording.hpp"
@@ -313,6 +314,31 @@ TEST_F(Bags, CutOffMcapIsReadAsFarAsItGoes) {
   const auto recording = open("a.mcap");
   EXPECT_EQ(recording->size(), 1U);
   EXPECT_THAT(warnings(*recording), HasSubstr("a.mcap is cut off or broken from byte"));
+}
+
+// Chunks are decompressed once when a file is opened: headers are kept, and come from there even
+// where the file is gone meanwhile.
+TEST_F(Bags, HeadersOfCompressedChunksAreReadWithoutTheFile) {
+  McapSpec spec;
+  spec.compression = "zstd";
+  write_file(folder_ / "a.mcap", make_mcap(spec));
+  write_file(folder_ / "a.bag",
+             make_bag({{10, ros1_cloud(cloud_at(9, 0))}, {11, ros1_cloud(cloud_at(10, 0))}}, "lz4",
+                      false));
+  for (const bool mcap : {true, false}) {
+    const fs::path path = folder_ / (mcap ? "a.mcap" : "a.bag");
+    const auto file = mcap ? recordings::open_mcap_file(path) : recordings::open_rosbag_file(path);
+    const auto entries = file->messages("/points");
+    ASSERT_EQ(entries.size(), 2U);
+    std::vector<std::byte> whole, head;
+    file->read(entries[0], 1U << 20U, whole);
+    file->read(entries[1], 1U << 20U, head);  // the chunk in memory is the other one now
+    fs::resize_file(path, 0);
+    file->read(entries[0], 40, head);
+    EXPECT_EQ(head, std::vector<std::byte>(whole.begin(), whole.begin() + 40)) << path;
+    file->forget_heads();
+    EXPECT_THROW(file->read(entries[0], 40, head), InputError) << path;
+  }
 }
 
 TEST_F(Bags, SeveralTopicsAreListedAndChosen) {
