@@ -17,7 +17,7 @@ say() { printf 'quickstart: %s\n' "$*" >&2; }
 
 install_packages() {
   local missing=()
-  for package in "${packages[@]}"; do
+  for package in "${packages[@]}" "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return
@@ -48,8 +48,8 @@ case "${1:-}" in
     exec ctest --preset release -j "$(nproc)"
     ;;
   build) build ;;
-  # For those who build in another way (apps/packaging/build.sh).
-  packages) install_packages ;;
+  # For those who build in another way (apps/packaging/build.sh); further packages may be named.
+  packages) install_packages "${@:2}" ;;
   *)
     echo "usage: apps/quickstart.sh demo|test|build|packages" >&2
     exit 2

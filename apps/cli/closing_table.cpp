@@ -144,7 +144,12 @@ std::string closing_table(const Json& metrics, const std::filesystem::path& fold
   row("poses", name + "/trajectory.tum");
   bool first = true;
   for (const auto& [command, purpose] : next_steps(metrics, name)) {
-    row(first ? "next" : "", command + "  # " + purpose);
+    // A command is for copying: never broken; what it is for goes below it where room is short.
+    std::string line = first ? "  next" : "";
+    line.resize(kColumn, ' ');
+    line += command;
+    const bool fits = columns_of(line) + 4 + columns_of(purpose) <= width;
+    text += line + (fits ? "  # " : "\n" + std::string(kColumn + 2, ' ') + "# ") + purpose + "\n";
     first = false;
   }
   return "\n" + text + "\n";

@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=$(realpath -m "${1:-build/package/debs}")
-apps/quickstart.sh packages
+apps/quickstart.sh packages pybind11-dev python3-dev python3-numpy dpkg-dev
 # Files in a package are as old as the release: the same tree gives the same packages.
 version=$(sed -n 's/^project(groundloop VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 day=$(sed -n "s/^## $version (\(.*\))$/\1/p" apps/docs/changelog.md)

@@ -15,6 +15,12 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_COMPONENTS_ALL command development)
+set(packages "command;groundloop" "development;libgroundloop-dev")
+if(GROUNDLOOP_PYTHON_MODULE)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  list(APPEND packages "python;python3-groundloop")
+  find_package(Python REQUIRED COMPONENTS Interpreter)
+endif()
 
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME groundloop)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
@@ -39,6 +45,20 @@ This package has the static libraries and headers that
 find_package(groundloop) gives as groundloop::frontend,
 groundloop::loopclosure and groundloop::backend, and an example.")
 
+# The module is of the interpreter that it was compiled for.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-groundloop)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "offline LiDAR SLAM - Python module
+groundloop reads recordings of LiDARs, estimates odometry, closes loops with
+density images seen from above and optimises pose graphs.
+
+This package gives recordings, odometry, closures between two clouds, pose
+graphs and sessions as numpy arrays.")
+
 # What Debian wants in every package. Version, date and text of a release stand in apps/docs/changelog.md.
 set(documents ${CMAKE_CURRENT_BINARY_DIR}/debian)
 add_custom_command(
@@ -49,10 +69,9 @@ add_custom_command(
           ${CMAKE_SOURCE_DIR}/apps/report/page/licences.txt
   VERBATIM)
 add_custom_target(groundloop_debian_documents ALL DEPENDS ${documents}/changelog.gz)
-foreach(part "command;groundloop" "development;libgroundloop-dev")
-  list(GET part 0 component)
-  list(GET part 1 package)
+while(packages)
+  list(POP_FRONT packages component package)
   install(FILES ${documents}/changelog.gz ${documents}/copyright
           DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} COMPONENT ${component})
-endforeach()
+endwhile()
 include(CPack)

@@ -1,7 +1,9 @@
 // Line plots, histograms and bars, by d3: drag to zoom, double click or Escape to see all, hover
 // for the scan. A plot over the way links its points to the map.
 
-const kPlotWidth = 900, kPlotHeight = 240, kMargin = { left: 58, right: 14, top: 10, bottom: 38 };
+// As wide as the page, so that letters keep their size on a telephone.
+const kPlotWidth = Math.max(340, Math.min(900, window.innerWidth - 24));
+const kPlotHeight = 240, kMargin = { left: 58, right: 14, top: 10, bottom: 38 };
 
 function plotFrame(title, note, plotHeight = kPlotHeight) {
   const figure = element("figure", { class: "plot" }, element("figcaption", {}, title));
@@ -65,7 +67,7 @@ function linePlot(options, series) {
   if (heights[0] === heights[1]) heights[1] += 1;
   const x = d3.scale.linear().domain(all).range([0, frame.width]);
   const y = d3.scale.linear().domain(heights).nice().range([frame.height, 0]);
-  const axisX = d3.svg.axis().scale(x).orient("bottom").ticks(10), axisY = d3.svg.axis().scale(y).orient("left").ticks(5).tickSize(-frame.width);
+  const axisX = d3.svg.axis().scale(x).orient("bottom").ticks(Math.min(10, frame.width / 70)), axisY = d3.svg.axis().scale(y).orient("left").ticks(5).tickSize(-frame.width);
   const lines = series.map((s) => frame.marks.append("path").attr("class", "line " + s.style));
   const draw = () => {
     frame.axes.x.call(axisX);
@@ -131,7 +133,7 @@ function planPlot(options, series) {
   const about = (middle, size) => [middle - (unit * size) / 2, middle + (unit * size) / 2];
   const x = d3.scale.linear().domain(about((left + right) / 2, frame.width)).range([0, frame.width]);
   const y = d3.scale.linear().domain(about((low + high) / 2, frame.height)).range([frame.height, 0]);
-  const axisX = d3.svg.axis().scale(x).orient("bottom").ticks(8), axisY = d3.svg.axis().scale(y).orient("left").ticks(6);
+  const axisX = d3.svg.axis().scale(x).orient("bottom").ticks(Math.min(8, frame.width / 70)), axisY = d3.svg.axis().scale(y).orient("left").ticks(6);
   const lines = series.map((s) => frame.marks.append("path").attr("class", "line " + s.style));
   const draw = () => {
     frame.axes.x.call(axisX);
@@ -155,7 +157,7 @@ function histogram(options, series) {
   const x = d3.scale.linear().domain([0, most]).range([0, frame.width]);
   const bins = values.map((v) => d3.layout.histogram().range([0, most]).bins(x.ticks(40)).frequency(true)(v.map((e) => Math.min(e, most * 0.9999))));
   const y = d3.scale.linear().range([frame.height, 0]).domain([0, d3.max(bins, (b, k) => d3.max(b, (bin) => (100 * bin.length) / Math.max(1, values[k].length)))]).nice();
-  frame.axes.x.call(d3.svg.axis().scale(x).orient("bottom"));
+  frame.axes.x.call(d3.svg.axis().scale(x).orient("bottom").ticks(Math.min(10, frame.width / 70)));
   frame.axes.y.call(d3.svg.axis().scale(y).orient("left").ticks(5).tickSize(-frame.width));
   bins.forEach((bin, k) => {
     frame.marks.append("g").selectAll("rect").data(bin).enter().append("rect").attr("class", "bar " + series[k].style)

@@ -45,7 +45,7 @@ function stateBand(report, scans, links) {
   legend(frame.figure, kStates.map((name, k) => ({ name: counts[k] ? `${name} (${counts[k]})` : "", style: "state-" + name })));
   frame.svg.attr("viewBox", `0 0 ${kPlotWidth} 90`);
   const x = d3.scale.linear().domain([0, scans.rows]).range([0, frame.width]);
-  frame.axes.x.attr("transform", "translate(0,40)").call(d3.svg.axis().scale(x).orient("bottom"));
+  frame.axes.x.attr("transform", "translate(0,40)").call(d3.svg.axis().scale(x).orient("bottom").ticks(Math.min(10, frame.width / 70)));
   let from = 0;
   for (let row = 1; row <= scans.rows; ++row) {
     if (row < scans.rows && scans.state[row] === scans.state[from]) continue;
