@@ -93,7 +93,8 @@ Cloud parse_cloud(std::span<const std::byte> message, Encoding encoding, const s
   const std::uint64_t width = cloud.header.width, height = cloud.header.height;
   // 32-bit factors: two of them cannot overflow, the third is held against the data first.
   const std::uint64_t row = width * step;
-  const bool padded = height > 1 && row_step > row;
+  // Rows of no points hold nothing, however many there are said to be.
+  const bool padded = height > 1 && width > 0 && row_step > row;
   const std::uint64_t stride = padded ? row_step : row;
   const bool fits =
       height == 0 || width == 0 ||

@@ -67,6 +67,17 @@ TEST(PointCloud2, SkipsPaddingBetweenRows) {
   expect_two_points(decode(ros1_cloud(spec), recordings::Encoding::ros1));
 }
 
+// Four thousand million rows, each of no points and padding.
+TEST(PointCloud2, RowsOfNoPointsHoldNothing) {
+  CloudSpec spec;
+  spec.width = 0;
+  spec.height = 0xffffffff;
+  spec.row_step = 0xffffffff;
+  const recordings::Cloud cloud =
+      recordings::parse_cloud(bytes_of(ros1_cloud(spec)), recordings::Encoding::ros1, "message");
+  EXPECT_EQ(cloud.table.count, 0U);
+}
+
 TEST(PointCloud2, NamesWhatIsWrong) {
   const auto expect = [](const std::string& message, const char* text) {
     try {
