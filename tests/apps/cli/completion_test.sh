@@ -20,15 +20,19 @@ offered() {
   _groundloop 2> /dev/null
   printf '%s\n' "${COMPREPLY[@]}"
 }
+# has WANTED LINES: not through a pipe, whose writer fails where grep has seen enough.
+has() { grep -qx -- "$1" <<< "$2"; }
 expect() { # expect WANTED WORD...
   local wanted=$1
   shift
-  offered "$@" | grep -qx -- "$wanted" || fail "bash: '$*' does not offer '$wanted': $(offered "$@" | tr '\n' ' ')"
+  local all
+  all=$(offered "$@")
+  has "$wanted" "$all" || fail "bash: '$*' does not offer '$wanted': ${all//$'\n'/ }"
 }
 expect_not() {
   local unwanted=$1
   shift
-  ! offered "$@" | grep -qx -- "$unwanted" || fail "bash: '$*' offers '$unwanted'"
+  ! has "$unwanted" "$(offered "$@")" || fail "bash: '$*' offers '$unwanted'"
 }
 
 expect run r
@@ -54,9 +58,9 @@ if command -v fish > /dev/null; then
   "$groundloop" completion fish > groundloop.fish
   export HOME=$work XDG_CONFIG_HOME=$work
   fish_offers() { fish --no-config -c "source groundloop.fish; complete --do-complete '$1'" | cut -f 1; }
-  fish_offers 'groundloop ru' | grep -qx run || fail "fish: no 'run'"
-  fish_offers 'groundloop evaluate tra' | grep -qx trajectory || fail "fish: no 'trajectory'"
-  fish_offers 'groundloop run --stamp ' | grep -qx middle || fail "fish: no 'middle'"
-  fish_offers 'groundloop run --ov' | grep -qx -- --overwrite || fail "fish: no '--overwrite'"
+  has run "$(fish_offers 'groundloop ru')" || fail "fish: no 'run'"
+  has trajectory "$(fish_offers 'groundloop evaluate tra')" || fail "fish: no 'trajectory'"
+  has middle "$(fish_offers 'groundloop run --stamp ')" || fail "fish: no 'middle'"
+  has --overwrite "$(fish_offers 'groundloop run --ov')" || fail "fish: no '--overwrite'"
 fi
 echo "completion: all offered"
