@@ -10,6 +10,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/unreadable_file.hpp"
 
 namespace groundloop::recordings {
 namespace fs = std::filesystem;
@@ -35,9 +36,7 @@ bool strictly_increasing(const std::vector<Nanoseconds>& stamps) {
 }  // namespace
 
 void read_file_into(const fs::path& file, std::vector<std::byte>& buffer) {
-  const auto fail = [&](const char* what) -> InputError {
-    return InputError(file.string() + ": " + what);
-  };
+  const auto fail = [&](const char* what) { return UnreadableFile(file.string() + ": " + what); };
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
   if (error) throw fail("cannot be read; check that it exists and is a file");

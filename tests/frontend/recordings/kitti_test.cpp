@@ -11,6 +11,7 @@
 
 #include "frontend/core/error.hpp"
 #include "frontend/core/files.hpp"
+#include "frontend/core/unreadable_file.hpp"
 #include "frontend/recordings/elevation_correction.hpp"
 #include "frontend/recordings/recording.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -139,6 +140,13 @@ TEST_F(Kitti, NamesCutOffScan) {
 TEST_F(Kitti, RefusesACutOffScanWhenTheRecordingOpens) {
   fs::resize_file(sequence_ / "velodyne/000001.bin", 30);
   EXPECT_THROW((void)open_recording(folder_.path().string()), InputError);
+}
+
+// A scan that cannot be used is bridged by who reads; a file that is not handed out ends a run.
+TEST_F(Kitti, AFileThatIsGoneIsNoBrokenScan) {
+  const auto recording = open_recording(folder_.path().string());
+  fs::remove(sequence_ / "velodyne/000001.bin");
+  EXPECT_THROW((void)recording->read(1), UnreadableFile);
 }
 
 TEST_F(Kitti, NamesEmptyScan) {
